@@ -120,22 +120,25 @@ fn axes_of_a_bench_are_diagnosed_per_unit_of_inertia() {
 /// wrong about them; on a bench the brake is the bearing's, and 60 ms are too late for any.
 #[test]
 fn what_an_unknown_vehicle_has_of_its_own_is_no_finding_in_free_flight() {
-    let answer_to = |rows_late: usize, is_free: bool| {
+    let answer_to = |rows_late: usize, is_free: bool, gusts_rad_s: f64| {
         let head = if is_free { vec!["free flight".to_owned()] } else { Vec::new() };
-        diagnose(&Log { comments: head, ..pitch_axis(0.0, 3.0, rows_late, 0.2) }, &Subject::Axes).unwrap()
+        diagnose(&Log { comments: head, ..pitch_axis(0.0, 3.0, rows_late, gusts_rad_s) }, &Subject::Axes).unwrap()
     };
     let found = |answer: &Diagnosis| answer.findings.iter().map(|finding| finding.effect).collect::<Vec<_>>();
-    let usual = answer_to(3, true);
-    assert_eq!(found(&usual), [""; 0], "{:?}", usual.findings);
-    let of_base = |effect: &str, parameter: &str| {
-        let term = usual.base.iter().find(|term| term.effect == effect).unwrap();
-        assert!(term.ordinary, "{term:?}");
-        term.parameters[parameter].value
-    };
-    assert!((of_base("viscous_friction", "coefficient_1_s") - 3.0).abs() < 0.1);
-    assert!((of_base("actuation_delay", "delay_s") + of_base("motor_lag", "time_constant_s") - 0.015).abs() < 0.002);
-    assert_eq!(found(&answer_to(12, true)), ["actuation_delay"]);
-    assert!(found(&answer_to(3, false)).contains(&"viscous_friction"));
+    for gusts_rad_s in [0.0, 0.2] {
+        let usual = answer_to(3, true, gusts_rad_s);
+        assert_eq!(found(&usual), [""; 0], "{:?}", usual.findings);
+        let of_base = |effect: &str, parameter: &str| {
+            let term = usual.base.iter().find(|term| term.effect == effect).unwrap();
+            assert!(term.ordinary, "{term:?}");
+            term.parameters[parameter].value
+        };
+        assert!((of_base("viscous_friction", "coefficient_1_s") - 3.0).abs() < 0.1);
+        let late_s = of_base("actuation_delay", "delay_s") + of_base("motor_lag", "time_constant_s");
+        assert!((late_s - 0.015).abs() < 0.002, "{late_s}");
+        assert_eq!(found(&answer_to(12, true, gusts_rad_s)), ["actuation_delay"]);
+    }
+    assert!(found(&answer_to(3, false, 0.2)).contains(&"viscous_friction"));
 }
 
 /// A bench in gusts under control: gain 200 rad/s^2, lag 20 ms, stiffness 9 1/s^2; exact to 1e-3.
