@@ -16,7 +16,6 @@ use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::search::Search;
 use crate::diagnosis::usual::may_be_found;
 use crate::diagnosis::yardstick::{Errors, squared_errors};
-use crate::effects::Unknown;
 use crate::prediction::Window;
 use crate::prediction::accuracy::{ErrorOf, predict, root_mean_square, tallies};
 use crate::prediction::windowed_log::Driven;
@@ -24,7 +23,7 @@ use crate::prediction::windowed_log::Driven;
 /// Share of the error that a finding must take away.
 const SHARE_MIN: f64 = 0.02;
 /// Standard deviations from which on a number is not zero.
-const SIGMAS: f64 = 2.0;
+pub(super) const SIGMAS: f64 = 2.0;
 /// Folds, and windows in a block of one: neighbours in time have errors in common.
 const FOLDS: usize = 5;
 const BLOCK: usize = 4;
@@ -106,10 +105,13 @@ pub(super) fn first_that_helps<'e>(search: &Search<'e>, smaller: &Fit<'e>, large
 /// Places of the base model's terms that are findings too: they pay as a finding must.
 pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<usize> {
     let with = Judged::of(search, chosen.clone());
+    // where the fit of the rest has other optima, a term of no size may seem to pay
     let places = search.gains.len()..search.always.len();
-    let large = places.filter(|index| differs_from_nothing(chosen, *index) && may_be_found(search, chosen, *index));
+    let large = places.filter(|index| deviations(chosen, *index) > SIGMAS).collect();
     // a fit of the rest leaves less than is expected of it
-    let may_pay = large.filter(|index| pays(&with.expected_without(search, &[*index]), &with));
+    let may_pay = may_be_found(search, chosen, large)
+        .into_iter()
+        .filter(|index| pays(&with.expected_without(search, &[*index]), &with));
     may_pay.filter(|index| pays(&with.without(search, &[*index]), &with)).collect()
 }
 
@@ -121,20 +123,11 @@ pub(super) fn doubtful(fit: &Fit<'_>, findings: std::ops::Range<usize>) -> Optio
     doubted.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
 }
 
-/// Is one of a term's numbers further from what changes nothing than chance explains? Where the fit of the rest has
-/// other optima, a term of no size may seem to pay.
-fn differs_from_nothing(fit: &Fit<'_>, index: usize) -> bool {
-    deviations(fit, index) > SIGMAS
-}
-
 /// By how many of its standard deviations the surest of a term's numbers differs from what changes nothing.
 fn deviations(fit: &Fit<'_>, index: usize) -> f64 {
     let term = &fit.terms[index];
-    let numbers = term.effect.unknowns().iter().zip(&term.values).enumerate();
-    let of_number = |(i, (unknown, value)): (usize, (&Unknown, &f64))| {
-        (value - unknown.nominal).abs() / fit.variance_of(index, i).max(f64::MIN_POSITIVE).sqrt()
-    };
-    numbers.map(of_number).fold(0.0, f64::max)
+    let numbers = term.effect.unknowns().iter().enumerate();
+    numbers.map(|(place, unknown)| fit.deviations_from(unknown.nominal, index, place).abs()).fold(0.0, f64::max)
 }
 
 /// Does a model pay for what another lacks: a share of the error, beyond chance? What puts one channel right is not to

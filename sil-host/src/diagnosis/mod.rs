@@ -238,8 +238,7 @@ fn diagnosed(
         sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, as_terms(&fitted_along), observer));
     observability::check(log, &search, &found.refitted.nominal)?;
     // of a vehicle in free flight that no model knows nothing can be a finding before it is known what is its own
-    let is_known = scope.is_vehicle || !scope.shown_free;
-    if is_known && !search.is_far(&found.chosen) {
+    if !search.shooting.log.is_of_unknown_flyer() && !search.is_far(&found.chosen) {
         return concluded(log, subject, &search, found, effort);
     }
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows

@@ -2,6 +2,7 @@
 //! delay and brake are found out, not found wrong.
 
 use super::base::BEARING;
+use super::judge::SIGMAS;
 use super::search::Search;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of};
@@ -13,31 +14,19 @@ const TRIM_USUAL: f64 = 3.0;
 const DELAY_USUAL_S: f64 = 0.025;
 /// Lag of healthy motors at most, s: those of a large vehicle's propellers.
 const LAG_USUAL_S: f64 = 0.12;
-/// Standard deviations by which they must be exceeded.
-const SIGMAS: f64 = 2.0;
 
-/// May a term of the base model be a finding?
-pub(super) fn may_be_found(search: &Search<'_>, fit: &Fit<'_>, index: usize) -> bool {
-    let name = fit.terms[index].effect.name();
-    if name == "torque_bias" {
-        return is_large_trim(search, &fit.terms, index);
-    }
-    let log = &search.shooting.log;
-    if log.is_vehicle() || !log.shows_free_flight() {
-        return true;
-    }
-    match name {
-        BEARING => false,
-        "actuation_delay" => exceeds(fit, index, DELAY_USUAL_S),
-        "motor_lag" => exceeds(fit, index, LAG_USUAL_S),
+/// Of some terms of the base model those that may be findings.
+pub(super) fn may_be_found(search: &Search<'_>, fit: &Fit<'_>, places: Vec<usize>) -> Vec<usize> {
+    let is_unknown = search.shooting.log.is_of_unknown_flyer();
+    let exceeds = |index: usize, usual: f64| fit.deviations_from(usual, index, 0) > SIGMAS;
+    let may_be = |index: &usize| match fit.terms[*index].effect.name() {
+        "torque_bias" => is_large_trim(search, &fit.terms, *index),
+        BEARING => !is_unknown,
+        "actuation_delay" => !is_unknown || exceeds(*index, DELAY_USUAL_S),
+        "motor_lag" => !is_unknown || exceeds(*index, LAG_USUAL_S),
         _ => true,
-    }
-}
-
-/// Is a term's number larger than that beyond chance?
-fn exceeds(fit: &Fit<'_>, index: usize, usual: f64) -> bool {
-    let value = fit.terms[index].values.first().copied().unwrap_or_default();
-    value - usual > SIGMAS * fit.variance_of(index, 0).max(0.0).sqrt()
+    };
+    places.into_iter().filter(may_be).collect()
 }
 
 /// Is a trim large beside what the commands do?

@@ -39,9 +39,14 @@ impl Log {
         }
     }
 
+    /// Does it say that nothing held what flew?
+    pub fn shows_free_flight(&self) -> bool {
+        self.rig_shown().is_some_and(|shown| shown.is_free)
+    }
+
     /// Is it a free flight with the commands of four motors, of which a vehicle can be identified?
     pub fn shows_a_vehicle(&self) -> bool {
-        self.motors().is_some() && self.rig_shown().is_some_and(|shown| shown.is_free)
+        self.motors().is_some() && self.shows_free_flight()
     }
 }
 

@@ -187,11 +187,22 @@ impl<'a> Motors<'a> {
         }
     }
 
+    /// What drives the motors now.
+    fn driving(&mut self) -> [f64; 4] {
+        if self.path.lag_s > 0.0 {
+            return self.driven(&self.lagged);
+        }
+        let driving = self.driving.unwrap_or_else(|| self.driven(&self.lagged));
+        self.driving = Some(driving);
+        driving
+    }
+
     /// The forces now.
-    fn forces(&self) -> [f64; 4] {
+    fn forces(&mut self) -> [f64; 4] {
+        let driving = self.driving();
         match self.drive {
-            Drive::Direct(_) => self.driven(&self.lagged),
-            Drive::Motors(propulsion) => propulsion.lifts_n(&self.driven(&self.lagged), &self.rotors),
+            Drive::Direct(_) => driving,
+            Drive::Motors(propulsion) => propulsion.lifts_n(&driving, &self.rotors),
         }
     }
 
@@ -306,9 +317,7 @@ impl<'a> Motors<'a> {
         let targets = if self.path.lag_s > 0.0 {
             self.behind_lag(step_s).map(|commands| self.driven(&commands))
         } else {
-            let driving = self.driving.unwrap_or_else(|| self.driven(&self.arrived));
-            self.driving = Some(driving);
-            [driving; 3]
+            [self.driving(); 3]
         };
         let Drive::Motors(propulsion) = self.drive else { return targets.map(|force| tracked(force, 0.0)) };
         let mut step = RotorStep { rotors: self.rotors, change: self.change };

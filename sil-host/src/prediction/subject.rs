@@ -136,7 +136,7 @@ impl Subject<'_> {
             base_command: self.base_command(),
             has_rotors: self.has_rotors(),
             is_held: self.is_held(),
-            shown_free: log.rig_shown().is_some_and(|shown| shown.is_free),
+            shown_free: log.shows_free_flight(),
             flies_free: self.flies_free(),
             turns,
             rates,

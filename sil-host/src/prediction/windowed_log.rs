@@ -229,9 +229,9 @@ impl<'a> WindowedLog<'a> {
         self.is_vehicle
     }
 
-    /// True where it shows that nothing held what flew.
-    pub(crate) fn shows_free_flight(&self) -> bool {
-        self.log.rig_shown().is_some_and(|shown| shown.is_free)
+    /// True of a free flight of a vehicle that no model knows.
+    pub(crate) fn is_of_unknown_flyer(&self) -> bool {
+        !self.is_vehicle && self.log.shows_free_flight()
     }
 
     /// Channels that are compared, and the noise of each, SI.

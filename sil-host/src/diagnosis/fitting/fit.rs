@@ -93,6 +93,12 @@ impl<'e> Fit<'e> {
         self.variance_along(&slope)
     }
 
+    /// By how many of its standard deviations one of a term's parameters is more than a value.
+    pub(in crate::diagnosis) fn deviations_from(&self, value: f64, term: usize, parameter: usize) -> f64 {
+        let std = self.variance_of(term, parameter).max(f64::MIN_POSITIVE).sqrt();
+        (self.terms[term].values[parameter] - value) / std
+    }
+
     /// Place of a term's first parameter among all.
     pub(in crate::diagnosis) fn first_place_of(&self, term: usize) -> usize {
         self.terms[..term].iter().map(|term| term.values.len()).sum()
