@@ -223,6 +223,7 @@ pub fn per_unit_inertia(name: &'static str) -> &'static str {
         "amplitude_nm" => "amplitude_rad_s2",
         "stiffness_nm_rad" => "stiffness_1_s2",
         "coefficient_nms" => "coefficient_1_s",
+        "coefficient_ns" => "coefficient_1_m_s",
         other => other,
     }
 }

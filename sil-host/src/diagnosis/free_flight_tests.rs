@@ -68,6 +68,27 @@ fn drag_of_the_rotors_is_separated_from_wind() {
     }
 }
 
+/// What the project's F450 should have: its rotors stand some centimetres above its centre of gravity.
+#[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
+fn air_across_the_rotors_is_found_by_what_it_turns() {
+    let log = log(&["speed_stability:coefficient_ns=0.01"], 11);
+    assert_found(&answer_to(&log), "speed_stability", "coefficient_ns", 0.01);
+    // and without any model of the vehicle, axis by axis, as what is its own
+    let answer = diagnose(&log, &Subject::Axes).unwrap();
+    let of_base = |answer: &Diagnosis| {
+        let term = answer.base.iter().find(|term| term.effect == "speed_stability")?;
+        Some((term.ordinary, term.parameters["coefficient_1_m_s"]))
+    };
+    let (ordinary, own) = of_base(&answer).unwrap();
+    let [ixx, iyy, _] = VehicleModel::generic(Rig::Free).inertia_kg_m2;
+    let expected = 0.01 / (0.5 * (ixx + iyy));
+    assert!(ordinary && (own.value - expected).abs() < 4.0 * own.std && own.std < 0.2 * expected, "{own:?} {expected}");
+    // a log that does not say how the vehicle travels can't show it
+    let anywhere = Log { velocity_ned_m_s: Default::default(), ..log };
+    assert_eq!(of_base(&diagnose(&anywhere, &Subject::Axes).unwrap()), None);
+}
+
 /// Each three quarters of a percent of the vehicle's inertia about z, somewhat more than a 10 inch propeller of 15 g
 /// with its motor's bell has.
 #[test]

@@ -186,6 +186,7 @@ mod tests {
             battery: false,
             pushed: false,
             velocity: false,
+            airspeed: false,
             height_m: None,
         })
     }

@@ -1,7 +1,7 @@
 //! What of a base model may be a finding: of a healthy vehicle a trim is small, and of one that no model knows lag,
 //! delay and brake are found out, not found wrong.
 
-use super::base::BEARING;
+use super::base::{BEARING, IN_THE_AIR, INERTIA};
 use super::judge::SIGMAS;
 use super::search::Search;
 use crate::axis::Axis;
@@ -21,7 +21,9 @@ pub(super) fn may_be_found(search: &Search<'_>, fit: &Fit<'_>, places: Vec<usize
     let exceeds = |index: usize, usual: f64| fit.deviations_from(usual, index, 0) > SIGMAS;
     let may_be = |index: &usize| match fit.terms[*index].effect.name() {
         "torque_bias" => is_large_trim(search, &fit.terms, *index),
-        BEARING => !is_unknown,
+        BEARING | IN_THE_AIR => !is_unknown,
+        // of a vehicle that nothing holds its reaction torque over this inertia shows, and hardly anybody knows either
+        INERTIA => fit.terms[*index].effect.axis() != Some(Axis::Yaw),
         "actuation_delay" => !is_unknown || exceeds(*index, DELAY_USUAL_S),
         "motor_lag" => !is_unknown || exceeds(*index, LAG_USUAL_S),
         _ => true,

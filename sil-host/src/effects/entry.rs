@@ -55,6 +55,8 @@ pub enum Needs {
     Push,
     /// Velocity.
     Velocity,
+    /// How the air passes: the velocity, or what the accelerometer feels of the rotors' drag.
+    Airspeed,
     /// Height above ground.
     Height,
 }
@@ -65,6 +67,7 @@ impl Needs {
         match self {
             Needs::Push => "the log has neither az_m_s2 nor vn_m_s, ve_m_s and vd_m_s",
             Needs::Velocity => "the log lacks vn_m_s, ve_m_s and vd_m_s",
+            Needs::Airspeed => "the log lacks vn_m_s and ve_m_s with a heading, and ax_m_s2 and ay_m_s2",
             Needs::Height => "the log lacks height_m",
         }
     }

@@ -29,13 +29,13 @@ mod rotor_drag;
 mod rotor_inertia;
 mod rotor_vibration;
 mod scope;
+mod speed_stability;
 mod spring;
 mod step_disturbance;
 mod text;
 mod thrust_curve;
 mod thrust_scale;
 mod torque_bias;
-
 mod viscous_friction;
 mod weak_motor;
 mod wind;
@@ -215,6 +215,8 @@ catalogue! {
     step_disturbance::StepDisturbance,
     /// Drag of the rotors in proportion to the airspeed.
     rotor_drag::RotorDrag,
+    /// A moment in proportion to the airspeed.
+    speed_stability::SpeedStability,
     /// More lift close to the ground.
     ground_effect::GroundEffect,
     /// Moving air.

@@ -35,6 +35,8 @@ pub(crate) struct Scope {
     pub(crate) pushed: bool,
     /// True where it has a free vehicle's velocity.
     pub(crate) velocity: bool,
+    /// True where it shows how the air passes what flies free, its vehicle known or not.
+    pub(crate) airspeed: bool,
     /// A free vehicle's height above ground in the first row, m.
     pub(crate) height_m: Option<f64>,
 }
@@ -68,6 +70,7 @@ impl Scope {
         match needs {
             Needs::Push => self.pushed,
             Needs::Velocity => self.velocity,
+            Needs::Airspeed => self.airspeed,
             Needs::Height => self.height_m.is_some(),
         }
     }

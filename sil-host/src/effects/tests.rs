@@ -188,6 +188,7 @@ fn whole_log(flies_free: bool) -> Scope {
         battery: true,
         pushed: flies_free,
         velocity: flies_free,
+        airspeed: flies_free,
         height_m: flies_free.then_some(1.0),
     }
 }

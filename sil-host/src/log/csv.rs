@@ -13,6 +13,7 @@ use super::map::{Map, MappedColumn, Term};
 use super::messages::Table;
 use super::passage::Passage;
 use super::quantity::Quantity;
+use super::rate_of_change::rate_of_change;
 use super::recording::{Recording, Stream, StreamColumn};
 use super::style::Style;
 use super::{Content, Format, Log, note_gaps, source, time_base};
@@ -88,10 +89,7 @@ fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'
     log.turned(turn_deg)
 }
 
-/// Every column that holds numbers, under its own name, whatever it means; a field that is no number is NaN.
-///
-/// # Errors
-/// There are no lines.
+/// Every column of numbers under its own name; a field that is no number is NaN, a text without lines an error.
 pub(super) fn table(file: &str, text: &str) -> Result<Table, LogError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let line_end = if text.contains('\n') { '\n' } else { '\r' };
@@ -172,6 +170,8 @@ struct Field {
     /// Places in the row, with their scales; at least one.
     terms: Vec<(usize, f64)>,
     offset: f64,
+    /// True where the quantity is how fast that changes.
+    is_rate: bool,
 }
 
 impl Field {
@@ -215,7 +215,7 @@ fn named_fields(names: &[&str], log: &mut Log) -> Result<Vec<Field>, HeaderError
             let kind = LogErrorKind::GivenTwice { first: first.called(names), second: (*name).to_owned() };
             return Err((Some(quantity.name()), kind));
         }
-        fields.push(Field { quantity, terms: vec![(index, scale)], offset: 0.0 });
+        fields.push(Field { quantity, terms: vec![(index, scale)], offset: 0.0, is_rate: false });
     }
     let has = |quantity| fields.iter().any(|field| field.quantity == quantity);
     let by_axis =
@@ -281,7 +281,7 @@ fn mapped_field(names: &[&str], mapped: &MappedColumn, map: &str) -> Result<Fiel
         }
     };
     let terms = mapped.terms.iter().map(place).collect::<Result<_, _>>()?;
-    Ok(Field { quantity: mapped.quantity, terms, offset: mapped.offset })
+    Ok(Field { quantity: mapped.quantity, terms, offset: mapped.offset, is_rate: mapped.is_rate })
 }
 
 fn missing(quantity: Quantity, others: &[Quantity], names: &[&str]) -> HeaderError {
@@ -371,6 +371,9 @@ fn read_rows<'a>(
             let kind = LogErrorKind::TimeNotIncreasing { before, now };
             return Err(error_in(file, Some(line), Some(name), kind));
         }
+    }
+    for place in (0..fields.len()).filter(|place| fields[*place].is_rate) {
+        rows.columns[place] = time.map_or(Vec::new(), |time| rate_of_change(&rows.columns[time], &rows.columns[place]));
     }
     Ok(rows)
 }

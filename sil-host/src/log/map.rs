@@ -11,9 +11,10 @@
 //! time_s    = { column = "t" }
 //! pitch_deg = { column = "theta", sign = -1, scale = 1.0, offset = 0.0 }
 //! thrust_cmd = { columns = { m1 = 0.25, m2 = 0.25, m3 = 0.25, m4 = 0.25 } }   # a sum of columns, each times a number
+//! vn_m_s = { rate_of = "x" }             # a velocity: how fast a column changes
 //! ```
-//! A value is `sign * scale * field + offset`, in the unit of its name and the frame of the log; `field` is a column or
-//! a sum of columns. Then the frame is turned.
+//! A value is `sign * scale * field + offset`, in the unit of its name and the frame of the log; `field` is a column, a
+//! sum of columns, or how fast a column changes. Then the frame is turned.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -73,6 +74,8 @@ pub(super) struct MappedColumn {
     /// At least one.
     pub(super) terms: Vec<Term>,
     pub(super) offset: f64,
+    /// True where the quantity is how fast that changes.
+    pub(super) is_rate: bool,
 }
 
 /// A column of the file and its share in a quantity.
@@ -106,6 +109,7 @@ struct MapFile {
 struct Entry {
     column: Option<String>,
     columns: Option<BTreeMap<String, f64>>,
+    rate_of: Option<String>,
     #[serde(default = "one")]
     scale: f64,
     #[serde(default)]
@@ -235,21 +239,28 @@ impl MapText<'_> {
         if !entry.scale.is_finite() || entry.scale == 0.0 || !entry.offset.is_finite() {
             return fail("scale must be finite and not 0, offset finite");
         }
-        let fields = match (entry.column, entry.columns) {
-            (Some(column), None) => vec![(column, 1.0)],
-            (None, Some(columns)) if columns.values().all(|share| share.is_finite() && *share != 0.0) => {
+        let is_rate = entry.rate_of.is_some();
+        let fields = match (entry.column, entry.columns, entry.rate_of) {
+            (Some(column), None, None) | (None, None, Some(column)) => vec![(column, 1.0)],
+            (None, Some(columns), None) if columns.values().all(|share| share.is_finite() && *share != 0.0) => {
                 columns.into_iter().collect()
             }
-            (None, Some(_)) => return fail("each of columns must have a finite number that is not 0"),
+            (None, Some(_), None) => return fail("each of columns must have a finite number that is not 0"),
             _ => Vec::new(),
         };
         if fields.is_empty() {
-            return fail("expected column = \"NAME\", or columns = { NAME = NUMBER, ... } for a sum");
+            return fail(
+                "expected column = \"NAME\", or columns = { NAME = NUMBER, ... } for a sum, or rate_of = \"NAME\" for \
+                 how fast a place changes",
+            );
+        }
+        if is_rate && (!matches!(quantity, Quantity::Velocity(_)) || entry.offset != 0.0) {
+            return fail("rate_of makes a velocity of a place, without offset");
         }
         let to_log = sign_of_frame(quantity) * factor;
         let scale = to_log * entry.sign * entry.scale;
         let terms = fields.into_iter().map(|(column, share)| Term { column, scale: scale * share }).collect();
-        Ok(MappedColumn { quantity, terms, offset: to_log * entry.offset })
+        Ok(MappedColumn { quantity, terms, offset: to_log * entry.offset, is_rate })
     }
 
     fn turn(&self, given: &Spanned<f64>) -> Result<f64, LogError> {

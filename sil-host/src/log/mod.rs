@@ -5,6 +5,7 @@
 //! in the frames of docs/rig.md (body forward-right-down, Euler angles Z-Y-X), whatever the file had. How a flight
 //! controller's streams of several rates become rows, `recording.rs` says.
 
+mod airspeed;
 mod blackbox;
 mod contradiction;
 mod csv;
@@ -23,6 +24,7 @@ mod other_files;
 mod part;
 mod passage;
 mod quantity;
+mod rate_of_change;
 mod recording;
 mod rig_shown;
 pub mod sanity;

@@ -30,6 +30,7 @@ use super::error::{LogError, LogErrorKind};
 use super::map::{Map, MappedColumn, Term};
 use super::messages::{Messages, Table};
 use super::quantity::Quantity;
+use super::rate_of_change::rate_of_change;
 
 /// The recording of one flight.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -206,6 +207,7 @@ impl Recording {
                 streams.push(Stream::at(kind, time_s));
             }
             if let Some(stream) = streams.iter_mut().find(|stream| stream.name == *kind) {
+                let value = if mapped.is_rate { rate_of_change(&stream.time_s, &value) } else { value };
                 stream.add(mapped.quantity, &mapped.called().replace(&format!("{kind}."), ""), value);
             }
         }

@@ -6,6 +6,7 @@
 //! rig = "axis"
 //! motor_lag_s = 0.016
 //! delay_s = 0.007
+//! speed_stability_1_m_s = 0  # may be left out: moment over airspeed per inertia, of what flies free
 //! [pitch]                    # and [roll], [yaw]: the axes that it has
 //! gain_rad_s2 = 301.0        # acceleration per unit of command; the rest may be left out
 //! trim_rad_s2 = 1.5
@@ -20,7 +21,7 @@ use std::path::Path;
 use crate::axis::Axis;
 use crate::document::{ModelError, Section, Source, Table, admissible};
 use crate::effects::{
-    ActuationDelay, CgOffset, CoulombFriction, Effect, GyroBias, MotorLag, TorqueBias, ViscousFriction,
+    ActuationDelay, CgOffset, CoulombFriction, Effect, GyroBias, MotorLag, SpeedStability, TorqueBias, ViscousFriction,
 };
 
 /// Separate axes with their numbers.
@@ -32,6 +33,8 @@ pub struct BenchModel {
     pub motor_lag_s: f64,
     /// Delay from command to motor, s.
     pub delay_s: f64,
+    /// Moment over airspeed about roll and pitch, 1/(m s): what flies free is lifted where it leads.
+    pub speed_stability_1_m_s: f64,
     /// Roll, pitch and yaw, of those that it has.
     pub axes: [Option<BenchAxis>; 3],
 }
@@ -65,6 +68,10 @@ const KEYS: [Key; 5] = [
     ("gyro_bias_rad_s", "the reported rate at rest in rad/s", |axis| &mut axis.gyro_bias_rad_s),
 ];
 
+/// What may be left out beside the axes.
+const SPEED_STABILITY: (&str, &str) =
+    ("speed_stability_1_m_s", "the moment over airspeed per inertia in rad/s^2 per m/s");
+
 impl BenchModel {
     /// Reads a model file; `None` for a model of another rig.
     ///
@@ -97,6 +104,7 @@ impl BenchModel {
             name: root.text("name", "what the bench is called, as text")?.to_owned(),
             motor_lag_s: root.number("motor_lag_s", time("the motors' time constant in seconds"))?,
             delay_s: root.number("delay_s", time("the delay from command to motor in seconds"))?,
+            speed_stability_1_m_s: root.number_or(SPEED_STABILITY.0, admissible(-1e3, 1e3, SPEED_STABILITY.1), 0.0)?,
             axes: [None; 3],
         };
         for axis in Axis::ALL {
@@ -116,6 +124,9 @@ impl BenchModel {
         text.string("rig", "axis");
         text.number("motor_lag_s", self.motor_lag_s);
         text.number("delay_s", self.delay_s);
+        if self.speed_stability_1_m_s != 0.0 {
+            text.number(SPEED_STABILITY.0, self.speed_stability_1_m_s);
+        }
         for axis in Axis::ALL {
             let Some(mut numbers) = self.axes[axis.index()] else { continue };
             text.header(&format!("[{}]", axis.name()));
@@ -140,6 +151,7 @@ impl BenchModel {
         let mut effects: Vec<Effect> = vec![
             MotorLag { time_constant_s: self.motor_lag_s }.into(),
             ActuationDelay { delay_s: self.delay_s }.into(),
+            SpeedStability { coefficient_ns: self.speed_stability_1_m_s }.into(),
         ];
         for axis in Axis::ALL {
             let Some(numbers) = self.axes[axis.index()] else { continue };
@@ -181,10 +193,11 @@ mod tests {
             name: "a \"b\"".to_owned(),
             motor_lag_s: 0.016,
             delay_s: 1e-9,
+            speed_stability_1_m_s: 9.3,
             axes: [None, Some(axis), None],
         };
         assert_eq!(BenchModel::parse(&model.to_toml(), "written").unwrap(), Some(model.clone()));
-        assert_eq!(model.effects().len(), 4, "{:?}", model.effects());
+        assert_eq!(model.effects().len(), 5, "{:?}", model.effects());
     }
 
     #[test]

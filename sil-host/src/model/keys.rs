@@ -157,7 +157,7 @@ mod tests {
     fn what_may_be_left_out_has_a_default() {
         let keys = keys().unwrap();
         let optional: Vec<&str> = keys.iter().filter(|key| key.default.is_some()).map(|key| key.key).collect();
-        assert_eq!(optional.len(), 4 + 3 * 5, "{optional:?}");
+        assert_eq!(optional.len(), 5 + 3 * 5, "{optional:?}");
         let height = keys.iter().find(|key| key.key == "height_m").unwrap();
         assert_eq!((height.default, height.unit.as_str()), (Some(0.02), "m"));
     }

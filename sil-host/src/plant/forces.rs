@@ -180,10 +180,10 @@ impl Extended<'_> {
     /// Torque and force of the effects in free flight.
     fn loads(&self, body: &FreeBody, after_s: f64, state: &FreeState, lifts_n: [f64; 4], spin: NetSpin) -> Loads {
         let [_, _, _, _, _, _, w, x, y, z, rate_rad_s @ ..] = *state;
-        let air_n = free_flight::push_body_n(self.air, state);
-        let push_body_n = core::array::from_fn(|axis| air_n[axis] + self.disturbance_force_body_n[axis]);
+        let by_air = free_flight::loads_of_air(self.air, state);
+        let push_body_n = core::array::from_fn(|axis| by_air.push_body_n[axis] + self.disturbance_force_body_n[axis]);
         if self.effects.is_empty() {
-            return Loads { torque_body_nm: [0.0; 3], push_body_n };
+            return Loads { push_body_n, ..by_air };
         }
         let angle_rad = euler_rad([w, x, y, z]);
         let motion = Motion {
@@ -195,7 +195,9 @@ impl Extended<'_> {
             per_weight_1_n: Some(body.per_weight_1_n()),
             ..self.instant(after_s)
         };
-        Loads { torque_body_nm: self.moment_nm(&motion), push_body_n }
+        let moment_nm = self.moment_nm(&motion);
+        let torque_body_nm = core::array::from_fn(|axis| by_air.torque_body_nm[axis] + moment_nm[axis]);
+        Loads { torque_body_nm, push_body_n }
     }
 }
 

@@ -58,14 +58,15 @@ pub(super) fn extended_derivative(
     change
 }
 
-/// What the air does to a vehicle in a state, body axes, N.
-pub(super) fn push_body_n(air: &Air, state: &FreeState) -> [f64; 3] {
-    if !air.drags() {
-        return [0.0; 3];
+/// What the air does to a vehicle in a state.
+pub(super) fn loads_of_air(air: &Air, state: &FreeState) -> Loads {
+    if !air.drags() && !air.turns() {
+        return Loads::default();
     }
     let [_, _, _, vx, vy, vz, w, x, y, z, ..] = *state;
     // the conjugate turns the world into the body
-    air.push_n(rotated([w, -x, -y, -z], air.against_m_s([vx, vy, vz])))
+    let along = rotated([w, -x, -y, -z], air.against_m_s([vx, vy, vz]));
+    Loads { torque_body_nm: air.torque_body_nm([along[0], along[1]]), push_body_n: air.push_n(along) }
 }
 
 /// A vector turned by a unit quaternion (w, x, y, z): v + 2 w (u x v) + 2 u x (u x v).

@@ -1,6 +1,6 @@
 //! What an observer who sees everything would say of the plant.
 
-use super::free_flight::push_body_n;
+use super::free_flight::loads_of_air;
 use super::{Body, Plant};
 use crate::vehicle::{Gimbal, euler_rad, euler_rates_rad_s, quaternion_world_from_body};
 
@@ -88,7 +88,7 @@ impl Plant {
         match &self.body {
             Body::Gimbal(_, [roll, pitch, ..]) => Gimbal::specific_force_body_m_s2([*roll, *pitch], self.gravity_m_s2),
             Body::Free(body, state) => {
-                let air_n = push_body_n(&self.changes.air, state);
+                let air_n = loads_of_air(&self.changes.air, state).push_body_n;
                 let push_body_n = core::array::from_fn(|axis| air_n[axis] + self.disturbance_force_body_n[axis]);
                 body.specific_force_m_s2(self.lifts_n().iter().sum(), push_body_n)
             }

@@ -63,13 +63,14 @@ impl Body {
         Motion { time_s, onset: Onset::Ramp, angle_rad, rate_rad_s, roll, separate, force, spin, per_weight_1_n }
     }
 
-    /// Change of the state under what the motors do, and moments.
+    /// Change of the state under what the motors do, moments, and those of the air about roll, pitch and yaw.
     pub(crate) fn derivative(
         &self,
         time_s: f64,
         x: &Turning,
         motors: &ForceAndSpin,
         moments: &[Box<dyn Moment>],
+        by_air: [f64; 3],
     ) -> Turning {
         let (roll, separate) = match self {
             Body::Axes { turns_as_one, .. } => {
@@ -78,7 +79,7 @@ impl Body {
             }
             Body::Gimbal { .. } | Body::Free { .. } => (libm::sincos(x[0]), None),
         };
-        let moment = sum(moments, || self.motion(time_s, x, roll, separate, *motors));
+        let moment = sum(by_air, moments, || self.motion(time_s, x, roll, separate, *motors));
         let force = motors.force;
         let rate = [x[3], x[4], x[5]];
         match self {
@@ -104,17 +105,19 @@ impl Body {
         }
     }
 
-    /// The same of a free vehicle whose angles nobody sees and nothing goes by: they stay as they are.
+    /// The same where nobody sees angles and nothing goes by them: those of a free vehicle stay as they are.
     pub(crate) fn spinning(
         &self,
-        airframe: &Airframe,
-        body: &FreeBody,
         time_s: f64,
         x: &Turning,
         motors: &ForceAndSpin,
         moments: &[Box<dyn Moment>],
+        by_air: [f64; 3],
     ) -> Turning {
-        let moment = sum(moments, || self.motion(time_s, x, (0.0, 1.0), None, *motors));
+        let Body::Free { airframe, body } = self else {
+            return self.derivative(time_s, x, motors, moments, by_air);
+        };
+        let moment = sum(by_air, moments, || self.motion(time_s, x, (0.0, 1.0), None, *motors));
         let torque = airframe.torque_body_nm(motors.force);
         let on = core::array::from_fn(|axis| torque[axis] + moment[axis]);
         let [d, e, f] = body.angular_acceleration_rad_s2([x[3], x[4], x[5]], on);
@@ -122,6 +125,7 @@ impl Body {
     }
 
     /// Change of a free vehicle's state under lifts as they are far from the ground; what hangs in a rig only turns.
+    /// The air turns it as its velocity says, where that is not known by something else.
     pub(crate) fn flying_derivative(
         &self,
         time_s: f64,
@@ -129,21 +133,23 @@ impl Body {
         motors: &ForceAndSpin,
         moments: &[Box<dyn Moment>],
         air: &Air,
+        by_air: Option<[f64; 3]>,
     ) -> State {
         let factor = air.lift_factor(x[9]);
         let lifts_n = motors.force.map(|lift_n| factor * lift_n);
         let motors = ForceAndSpin { force: lifts_n, ..*motors };
         let Body::Free { airframe, body } = self else {
-            let [a, b, c, d, e, f] = self.derivative(time_s, &turning(x), &motors, moments);
+            let [a, b, c, d, e, f] = self.derivative(time_s, &turning(x), &motors, moments, [0.0; 3]);
             return [a, b, c, d, e, f, 0.0, 0.0, 0.0, 0.0];
         };
         let [roll, pitch, yaw, p, q, r, north, east, down, _] = *x;
         let attitude = Attitude::of([roll, pitch, yaw]);
-        let moment = sum(moments, || self.motion(time_s, &turning(x), attitude.roll, None, motors));
+        let along = attitude.in_body(air.against_m_s([north, east, down]));
+        let by_air = by_air.unwrap_or_else(|| air.torque_body_nm([along[0], along[1]]));
+        let moment = sum(by_air, moments, || self.motion(time_s, &turning(x), attitude.roll, None, motors));
         let torque = airframe.torque_body_nm(lifts_n);
         let [a, b, c, d, e, f] = free(body, attitude.roll, attitude.pitch, [p, q, r], torque, moment);
-        let push = air.push_n(attitude.in_body(air.against_m_s([north, east, down])));
-        let felt = body.specific_force_m_s2(lifts_n.iter().sum(), push);
+        let felt = body.specific_force_m_s2(lifts_n.iter().sum(), air.push_n(along));
         let [to_north, to_east, to_down] = attitude.in_world(felt);
         [a, b, c, d, e, f, to_north, to_east, to_down + body.gravity_m_s2, -down]
     }
@@ -191,10 +197,10 @@ impl Body {
     }
 }
 
-/// Sum of the moments of a motion.
+/// Sum of the moments of a motion and of what is known of them already.
 #[inline]
-fn sum(moments: &[Box<dyn Moment>], motion: impl FnOnce() -> Motion) -> [f64; 3] {
-    let mut sum = [0.0; 3];
+fn sum(known: [f64; 3], moments: &[Box<dyn Moment>], motion: impl FnOnce() -> Motion) -> [f64; 3] {
+    let mut sum = known;
     if !moments.is_empty() {
         let motion = motion();
         moments.iter().for_each(|moment| moment.add(&motion, &mut sum));
@@ -228,7 +234,7 @@ mod tests {
         let [roll, pitch, yaw] = start;
         let [p, q, r] = rate_rad_s;
         let mut state = [roll, pitch, yaw, p, q, r];
-        let at = |state: &Turning| body.derivative(0.0, state, &ForceAndSpin::default(), &[]);
+        let at = |state: &Turning| body.derivative(0.0, state, &ForceAndSpin::default(), &[], [0.0; 3]);
         for _ in 0..500 {
             // the midpoint, to 1e-6 rad
             let half: Turning = core::array::from_fn(|i| state[i] + 0.5e-3 * at(&state)[i]);

@@ -36,6 +36,7 @@ pub(crate) mod noise;
 mod past;
 pub(crate) mod predicted_log;
 mod rotor_step;
+mod scene;
 pub(crate) mod start_state;
 mod subject;
 pub(crate) mod window;

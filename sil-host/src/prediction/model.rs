@@ -10,6 +10,7 @@ use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, tur
 use crate::prediction::drive::{DirectInput, Drive};
 use crate::prediction::force_track::{Commands, ForceAndSpin, ForceTrack, Step};
 use crate::prediction::past::Past;
+use crate::prediction::scene::{Passing, Scene};
 use crate::vehicle::propulsion::Propulsion;
 use crate::vehicle::{Airframe, Changes, NominalBody};
 
@@ -147,20 +148,25 @@ impl Model {
     /// The reports at the rows `first..end` from a state at the first of them; velocity and height stay at the start's
     /// where nobody looks at them, as do a free vehicle's angles.
     pub(crate) fn predict(&self, scene: &Scene<'_>, start: &State, first: usize, end: usize) -> Reports {
+        let passing = Passing::from(scene, first);
+        let air = &self.changes.air;
+        let by_air = |at_s: f64| if air.turns() { air.torque_body_nm(passing.airspeed_m_s(at_s)) } else { [0.0; 3] };
         let mut flying = Vec::with_capacity(if self.body.flies_free() { end - first } else { 0 });
         // in air that does nothing no moment and no felt force knows where the vehicle flies
         let turning = if self.body.flies_free() && (scene.shows_travel || !self.changes.air.is_void()) {
             let change = |at_s: f64, x: &State, motors: &ForceAndSpin| {
-                self.body.flying_derivative(at_s, x, motors, &self.moments, &self.changes.air)
+                let by_air = (!scene.shows_velocity).then(|| by_air(at_s));
+                self.body.flying_derivative(at_s, x, motors, &self.moments, &self.changes.air, by_air)
             };
             self.follow::<FLYING>(scene, start, first..end, change, |row, x| flying.push(self.flying(scene, row, x)))
         } else {
             let is_seen = scene.shows_attitude || self.acts_by_angle;
-            let change = |at_s: f64, x: &Turning, motors: &ForceAndSpin| match self.body {
-                Body::Free { airframe, body } if !is_seen => {
-                    self.body.spinning(&airframe, &body, at_s, x, motors, &self.moments)
+            let change = |at_s: f64, x: &Turning, motors: &ForceAndSpin| {
+                let by_air = by_air(at_s);
+                if is_seen {
+                    return self.body.derivative(at_s, x, motors, &self.moments, by_air);
                 }
-                _ => self.body.derivative(at_s, x, motors, &self.moments),
+                self.body.spinning(at_s, x, motors, &self.moments, by_air)
             };
             let standing = |x: &Turning| {
                 let ([a, b, c, d, e, f], [.., north, east, down, height]) = (*x, *start);
@@ -283,9 +289,17 @@ impl Model {
     /// What the moments beside the motors' add to the angular accelerations, rad/s^2, level and at rest.
     pub(crate) fn acceleration_by_moments(&self) -> [f64; 3] {
         let (rest, no_force) = ([0.0; TURNING], ForceAndSpin::default());
-        let with = self.body.derivative(0.0, &rest, &no_force, &self.moments);
-        let without = self.body.derivative(0.0, &rest, &no_force, &[]);
+        let with = self.body.derivative(0.0, &rest, &no_force, &self.moments, [0.0; 3]);
+        let without = self.body.derivative(0.0, &rest, &no_force, &[], [0.0; 3]);
         core::array::from_fn(|axis| with[3 + axis] - without[3 + axis])
+    }
+
+    /// What air that comes from ahead adds to the angular acceleration about pitch, level, rad/s^2 per m/s.
+    pub(crate) fn acceleration_per_airspeed(&self) -> f64 {
+        let [ahead, still] = [1.0, 0.0].map(|north| [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, north, 0.0, 0.0, f64::MAX]);
+        let change =
+            |x: &State| self.body.flying_derivative(0.0, x, &ForceAndSpin::default(), &[], &self.changes.air, None);
+        change(&ahead)[4] - change(&still)[4]
     }
 
     /// What one unit of each command adds to the angular accelerations, rad/s^2, level and settled.
@@ -293,7 +307,7 @@ impl Model {
         const STEP: f64 = 0.01;
         let acceleration = |commands: &[f64; 4]| -> [f64; 3] {
             let settled = ForceAndSpin { force: self.settled_lifts(commands), ..ForceAndSpin::default() };
-            let change = self.body.derivative(0.0, &[0.0; TURNING], &settled, &[]);
+            let change = self.body.derivative(0.0, &[0.0; TURNING], &settled, &[], [0.0; 3]);
             [change[3], change[4], change[5]]
         };
         core::array::from_fn(|i| {
@@ -342,25 +356,6 @@ fn runge_kutta_4<const N: usize>(
     let k3 = change(from_s + half_s, &along(&k2, half_s), middle);
     let k4 = change(from_s + duration_s, &along(&k3, duration_s), last);
     core::array::from_fn(|i| x[i] + duration_s / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
-}
-
-/// What a log gives to a model: its times, the forces that its commands make, its battery.
-pub(crate) struct Scene<'a> {
-    pub(crate) time_s: &'a [f64],
-    pub(crate) track: &'a ForceTrack,
-    /// True where angles are compared.
-    pub(crate) shows_attitude: bool,
-    /// True where velocity or height of a free vehicle are compared.
-    pub(crate) shows_travel: bool,
-    /// Per row, what the battery has lost against the first second, V; empty where the log has no voltage.
-    pub(crate) volts_lost: &'a [f64],
-}
-
-impl Scene<'_> {
-    fn volts_lost(&self, time_s: f64) -> Option<f64> {
-        let row = self.time_s.partition_point(|at| *at <= time_s).saturating_sub(1);
-        self.volts_lost.get(row).copied()
-    }
 }
 
 /// The forces of a model under commands, from row to row.

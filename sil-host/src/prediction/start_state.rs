@@ -52,7 +52,8 @@ impl WindowedLog<'_> {
 
     /// True for a velocity or the height at a start where these act on nothing.
     pub(crate) fn moves_alone(&self, driven: &Driven, free: Channel) -> bool {
-        free.turning_axis().is_none() && driven.model.changes.air.is_void()
+        let air = &driven.model.changes.air;
+        free.turning_axis().is_none() && air.is_void() && !air.turns()
     }
 
     /// Slopes along such a one: a velocity stays as much larger, and the height follows the one that goes down.

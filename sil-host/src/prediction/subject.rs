@@ -144,6 +144,7 @@ impl Subject<'_> {
             battery: log.battery_v.is_some(),
             pushed: self.flies_free() && (log.accel_body_m_s2[2].is_some() || has_velocity),
             velocity: self.flies_free() && has_velocity,
+            airspeed: (self.flies_free() || !self.is_vehicle() && log.shows_free_flight()) && log.shows_airspeed(),
             height_m: self.flies_free().then(|| log.height_m.as_ref()?.first().copied()).flatten(),
         }
     }
@@ -160,11 +161,16 @@ impl Subject<'_> {
     /// # Errors
     /// A column that one of them acts by is missing.
     fn check_known_effects(&self, log: &Log) -> Result<(), NotPredictable> {
-        let Subject::Vehicle(model) = self else { return Ok(()) };
+        let effects = match self {
+            Subject::Vehicle(model) => model.effects.clone(),
+            Subject::Axes => return Ok(()),
+            Subject::Bench(bench) => bench.effects(),
+        };
         let scope = self.scope(log);
-        for entry in model.effects.iter().map(Effect::entry) {
+        for entry in effects.iter().map(Effect::entry) {
             let column = match entry.needs {
                 Some(Needs::Velocity) if scope.pushed && !scope.velocity => Quantity::Velocity(Axis::Roll),
+                Some(Needs::Airspeed) if !scope.airspeed => Quantity::Velocity(Axis::Roll),
                 Some(Needs::Height) if scope.height_m.is_none() => Quantity::Height,
                 _ => continue,
             };

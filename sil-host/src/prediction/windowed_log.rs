@@ -8,11 +8,12 @@ use super::body::State;
 use super::drive::Drive;
 use super::error::NotPredictable;
 use super::force_track::{Commands, ForceTrack};
-use super::model::{Model, Scene, track};
+use super::model::{Model, track};
 use super::noise::MeasuredNoise;
+use super::scene::Scene;
 use super::window::{Cut, Part, Window};
 use crate::axis::Axis;
-use crate::log::{Column, Log};
+use crate::log::{Column, Log, sanity};
 use crate::statistics::wrapped;
 use crate::vehicle::CommandPath;
 
@@ -55,6 +56,8 @@ pub(crate) struct WindowedLog<'a> {
     log: &'a Log,
     pub(crate) commands: Commands,
     volts_lost: Vec<f64>,
+    /// Per row, velocity against the air along x and y, m/s; empty where the log does not say.
+    airspeed_m_s: Vec<[f64; 2]>,
     measured: Vec<Measured<'a>>,
     pub(crate) windows: Vec<Window>,
     /// Accelerations that commands lost between rows leave unknown; none where none are.
@@ -91,6 +94,7 @@ impl<'a> WindowedLog<'a> {
             log,
             commands,
             volts_lost: volts_lost(log),
+            airspeed_m_s: log.airspeed_m_s(),
             measured: compared.channels.iter().filter_map(measured).collect(),
             windows,
             lost: None,
@@ -155,8 +159,10 @@ impl<'a> WindowedLog<'a> {
             time_s: self.rows(),
             track: &driven.track,
             shows_attitude: shows(|channel| matches!(channel, Channel::Angle(_))),
+            shows_velocity: shows(|channel| matches!(channel, Channel::Velocity(_))),
             shows_travel: shows(|channel| matches!(channel, Channel::Velocity(_) | Channel::Height)),
             volts_lost: &self.volts_lost,
+            airspeed_m_s: &self.airspeed_m_s,
         }
     }
 
@@ -227,6 +233,14 @@ impl<'a> WindowedLog<'a> {
     /// True of a vehicle, whose forces are lifts; false of separate axes.
     pub(crate) fn is_vehicle(&self) -> bool {
         self.is_vehicle
+    }
+
+    /// Angular accelerations per unit of what drives separate axes, rad/s^2, where a regression is sure of them.
+    pub(crate) fn answers_rad_s2(&self) -> [Option<f64>; 3] {
+        // four motors, each with half of its command
+        let per_motor = if self.log.motors().is_some() { 2.0 } else { 1.0 };
+        let sure = |answer: sanity::AxisAnswer| answer.is_sure.then_some(per_motor * answer.value);
+        sanity::accelerations_per_command(self.log).map(|answer| answer.and_then(sure))
     }
 
     /// True of a free flight of a vehicle that no model knows.

@@ -13,6 +13,8 @@ const NEAREST_RADII: f64 = 0.5;
 pub(crate) struct Air {
     /// Rotor drag over airspeed, N s/m.
     pub(crate) rotor_drag_ns_m: f64,
+    /// Moment that turns the vehicle away from where it flies to, over airspeed, N s; on separate axes rad/s² per m/s.
+    pub(crate) speed_stability_ns: f64,
     /// Velocity of the air, north and east, m/s.
     pub(crate) wind_m_s: [f64; 2],
     /// Drag coefficient times area of the airframe, m².
@@ -24,7 +26,7 @@ pub(crate) struct Air {
 }
 
 impl Air {
-    /// True if nothing that is felt depends on place or velocity.
+    /// True if no force depends on place or velocity.
     pub(crate) fn is_void(&self) -> bool {
         !self.drags() && self.ground_radius_squared_m2 == 0.0
     }
@@ -33,6 +35,12 @@ impl Air {
     #[inline]
     pub(crate) fn drags(&self) -> bool {
         self.rotor_drag_ns_m != 0.0 || self.drag_area_m2 != 0.0
+    }
+
+    /// True if the vehicle's velocity turns it.
+    #[inline]
+    pub(crate) fn turns(&self) -> bool {
+        self.speed_stability_ns != 0.0
     }
 
     /// Velocity against the air, north, east, down, m/s.
@@ -47,6 +55,13 @@ impl Air {
         let airframe = 0.5 * DENSITY_KG_M3 * self.drag_area_m2 * (x * x + y * y + z * z).sqrt();
         let in_plane = airframe + self.rotor_drag_ns_m;
         [-in_plane * x, -in_plane * y, -airframe * z]
+    }
+
+    /// Torque about the body's axes, N m, at a velocity against the air along its x and y axes, m/s: it lifts the side
+    /// that leads.
+    #[inline]
+    pub(crate) fn torque_body_nm(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        [-self.speed_stability_ns * y, self.speed_stability_ns * x, 0.0]
     }
 
     /// Lift at a height over lift far from the ground: `1 / (1 - (R / 4z)^2)`.

@@ -27,6 +27,18 @@ fn map(quantities: &str) -> String {
 const COMMANDS: &str = "roll_cmd = { columns = { a = 0.5, d = -0.25 }, scale = 0.01, offset = 0.1, sign = -1 }\n\
                         pitch_cmd = { column = \"b\", scale = 0.01 }\n";
 
+/// What grows by one a second, taken for a place in centimetres.
+#[test]
+fn how_fast_a_place_changes_is_a_velocity() {
+    let text = map(&format!("{COMMANDS}vn_cm_s = {{ rate_of = \"gy\", sign = -1 }}\n"));
+    let log = parse("log.csv", &foreign(), Some(&Map::parse("m.toml", &text).unwrap())).unwrap();
+    let north = log.velocity_ned_m_s[0].as_ref().unwrap();
+    assert!(north.iter().all(|north| (north + 0.01).abs() < 1e-9), "{north:?}");
+    let offset = text.replace("\"gy\", sign = -1", "\"gy\", offset = 1");
+    let refused = Map::parse("m.toml", &offset).unwrap_err().to_string();
+    assert!(refused.contains("`vn_cm_s`: rate_of makes a velocity of a place, without offset"), "{refused}");
+}
+
 #[test]
 fn a_sum_of_columns_is_one_column() {
     let of = |quantities: &str| Map::parse("m.toml", &map(quantities));
@@ -45,6 +57,7 @@ fn a_sum_of_columns_is_one_column() {
     refused("columns = { }", "expected column = \"NAME\", or columns =");
     refused("column = \"a\", columns = { d = 1 }", "expected column = \"NAME\", or columns =");
     refused("columns = { a = 0 }", "a finite number that is not 0");
+    refused("rate_of = \"a\"", "rate_of makes a velocity of a place");
     let absent = of(&COMMANDS.replace("d = -0.25", "e = -0.25")).unwrap();
     let message = parse("log.csv", &foreign(), Some(&absent)).unwrap_err().to_string();
     assert!(

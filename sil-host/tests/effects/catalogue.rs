@@ -168,6 +168,7 @@ fn of_surroundings() -> Vec<Case> {
             "step_disturbance:axis=pitch,torque_nm=0.05,start_s=4.0021",
             page(|m| [0.0, if m.step_start_s >= 4.0021 - 1e-9 { 0.05 } else { 0.0 }, 0.0]),
         ),
+        case(Free, "speed_stability:coefficient_ns=0.01", page(|m| [-0.01 * m.against[1], 0.01 * m.against[0], 0.0])),
         case(Free, "rotor_drag:coefficient_ns_m=0.4", Page { force: |v| [-0.4 * v[0], -0.4 * v[1], 0.0], ..NOMINAL }),
         case(
             Free,

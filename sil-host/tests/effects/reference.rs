@@ -75,6 +75,8 @@ pub struct Moving {
     pub angle: [f64; 3],
     /// Their derivatives on the gimbal, p, q, r when free.
     pub rate: [f64; 3],
+    /// Velocity against the air along the body's axes, m/s.
+    pub against: [f64; 3],
     /// Sum of the lifts, N.
     pub lift_n: f64,
     /// Speeds of the rotors and their derivatives; 0 without rotors.
@@ -212,10 +214,14 @@ impl Reference {
         })
     }
 
+    /// Velocity against the air along the body's axes.
+    fn against(&self, state: &State) -> [f64; 3] {
+        turned_back(angles(state), std::array::from_fn(|axis| state[6 + axis] - self.page.wind[axis]))
+    }
+
     /// Specific force along the body's axes.
     fn felt(&self, state: &State, lift_n: f64) -> [f64; 3] {
-        let against = std::array::from_fn(|axis| state[6 + axis] - self.page.wind[axis]);
-        let [x, y, z] = (self.page.force)(turned_back(angles(state), against));
+        let [x, y, z] = (self.page.force)(self.against(state));
         let mass = self.page.mass * MASS_KG;
         [x / mass, y / mass, (z - lift_n) / mass]
     }
@@ -232,6 +238,7 @@ impl Reference {
             step_start_s: self.time(),
             angle,
             rate,
+            against: self.against(state),
             lift_n,
             rotor_speed: [state[14], state[15], state[16], state[17]],
             rotor_acceleration,

@@ -88,6 +88,7 @@ fn take(model: &mut BenchModel, term: &Term<'_>, name: &str, value: f64) {
     match term.effect.name() {
         "motor_lag" => model.motor_lag_s = value,
         "actuation_delay" => model.delay_s = value,
+        "speed_stability" => model.speed_stability_1_m_s = value,
         effect => {
             let Some(axis) = term.effect.axis() else { return };
             let numbers = model.axes[axis.index()].get_or_insert_default();
@@ -110,6 +111,7 @@ fn number(term: &Term<'_>, name: &str, own: Estimate, seen: [bool; 3]) -> Identi
     let full = match (axis, effect) {
         (Some(axis), _) => format!("{}_{effect}", axis.name()),
         (None, "motor_lag") => "motor_lag_s".to_owned(),
+        (None, "speed_stability") => "speed_stability_1_m_s".to_owned(),
         (None, _) => name.to_owned(),
     };
     let unit = match name {
@@ -117,6 +119,7 @@ fn number(term: &Term<'_>, name: &str, own: Estimate, seen: [bool; 3]) -> Identi
         name if name.ends_with("_rad_s2") => "rad/s2",
         name if name.ends_with("_rad_s") => "rad/s",
         name if name.ends_with("_1_s") => "1/s",
+        name if name.ends_with("_1_m_s") => "1/(m s)",
         _ => "s",
     };
     let is_unseen = |axis: Axis| !seen[axis.index()] || own.std > UNKNOWN_FROM * own.value.abs();

@@ -59,7 +59,7 @@ fn unknowns(scope: &Scope, at_command: f64) -> Vec<Fitted> {
             None => all.collect(),
         }
     };
-    UNKNOWN.iter().flat_map(of_name).chain(offset).chain(yaw).collect()
+    UNKNOWN.iter().flat_map(of_name).chain(base::by_speed(scope)).chain(offset).chain(yaw).collect()
 }
 
 /// Fits of [`fine`]: the unknowns, the noise, the unknowns in that noise, the numbers with their intervals.

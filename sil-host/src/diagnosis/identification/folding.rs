@@ -40,7 +40,8 @@ pub(super) fn even<'e>(term: &Term<'e>, all: &[Term<'e>]) -> Term<'e> {
 
 /// Moments beside a mass that is held where it was.
 pub(super) fn in_unit_of<'e>(mass: f64, mut terms: Vec<Term<'e>>) -> Vec<Term<'e>> {
-    for term in terms.iter_mut().filter(|term| term.effect.name() == "torque_bias") {
+    let is_moment = |term: &&mut Term<'e>| matches!(term.effect.name(), "torque_bias" | "speed_stability");
+    for term in terms.iter_mut().filter(is_moment) {
         term.values[0] /= mass;
     }
     terms

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::folding::mean_lift;
 use crate::axis::Axis;
+use crate::diagnosis::base;
 use crate::diagnosis::estimate::Estimate;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of, moved};
 use crate::diagnosis::fitting::shooting::Shooting;
@@ -62,6 +63,7 @@ pub(super) const STEPS: [&str; 3] = [
 ];
 const CLIMBS: &str = "fly quick climbs and descents for 15 s";
 const BOTH_AND_YAW: &str = "turn the heading while roll and pitch step to 20 degrees, for 30 s";
+const FAST: &str = "fly forth and back, and to either side, at some metres a second, for 30 s";
 const BOTH: &str = "fly steps of roll and pitch together, and climbs, for 30 s";
 
 /// Angular accelerations about roll, pitch and yaw per unit of each motor's command around a command of all four,
@@ -187,6 +189,12 @@ fn of_terms(terms: &[Term<'_>], model: &Model) -> Vec<Derived> {
                 Derived::new(format!("motor{motor}_lift"), "of the mean", value / mean, BOTH)
             }
             ("torque_bias", Some(axis)) => Derived::new(of(axis, "trim"), "rad/s2", moments[axis.index()], ""),
+            ("speed_stability", _) => {
+                let name = "speed_stability".to_owned();
+                let per_inertia = Derived::new(name, "rad/s2 per m/s", model.acceleration_per_airspeed(), FAST);
+                all.push(Derived { prior_std: Some(base::BY_SPEED_STD), ..per_inertia });
+                continue;
+            }
             ("gyro_bias", Some(axis)) => Derived::new(of(axis, "gyro_bias"), "rad/s", value, ""),
             _ => continue,
         };

@@ -52,6 +52,21 @@ fn drag_of_the_frame_does_not_depend_on_the_attitude() {
     }
 }
 
+/// Air from ahead lifts the nose, air from the right the right side; at rest in a wind, before anything has turned or
+/// drifted, `I q' = c w`.
+#[test]
+fn air_across_the_rotors_lifts_the_side_that_it_comes_from() {
+    let effects = ["speed_stability:coefficient_ns=0.002", "wind:north_m_s=-3,east_m_s=-2,drag_area_m2=0"];
+    let model = unpowered(Rig::Free);
+    let [ixx, iyy, _] = model.inertia_kg_m2;
+    let mut plant = with_effects(model, &effects);
+    plant.advance(0.05);
+    let [p, q, r] = plant.truth().rate_body_rad_s;
+    // the air turns out of the body's axes by the angle, 1e-3, and nothing else is left out
+    assert!(close(q, 0.002 * 3.0 / iyy * 0.05, 1e-5) && close(p, -0.002 * 2.0 / ixx * 0.05, 1e-5), "{p} {q}");
+    assert!(q > 0.02 && p < -0.01 && close(r, 0.0, 1e-9));
+}
+
 #[test]
 fn the_ground_lifts_and_a_heavier_vehicle_sinks() {
     let model = VehicleModel::nominal(Rig::Free);

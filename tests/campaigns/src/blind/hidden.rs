@@ -31,7 +31,7 @@ pub const EFFECTS: [&str; 19] = [
 
 /// Effects of free flight, equally often: those that mean something without bearings, and those of the way through the
 /// air. A new one stands last, so that the first seeds hide what they did.
-pub const EFFECTS_IN_FREE_FLIGHT: [&str; 23] = [
+pub const EFFECTS_IN_FREE_FLIGHT: [&str; 24] = [
     "mass_error",
     "cg_offset",
     "torque_bias",
@@ -55,6 +55,7 @@ pub const EFFECTS_IN_FREE_FLIGHT: [&str; 23] = [
     "step_disturbance",
     "rotor_inertia",
     "thrust_curve",
+    "speed_stability",
 ];
 
 /// What is hidden, but for its size.
@@ -126,6 +127,7 @@ impl Hidden {
             "periodic_disturbance" => (turned, None, "amplitude_nm", 0.01, periodic),
             "step_disturbance" => (turned, None, "torque_nm", 0.01, step),
             "mass_error" => (None, None, "scale", 0.05, scaled),
+            "speed_stability" => (None, None, "coefficient_ns", 0.01, |s, _| plain("coefficient_ns", s)),
             "rotor_drag" => (None, None, "coefficient_ns_m", 0.1, |s, _| plain("coefficient_ns_m", s)),
             "wind" => (None, None, "north_m_s", 4.0, wind),
             "ground_effect" => (None, None, "rotor_radius_m", 0.2, ground_effect),
