@@ -25,7 +25,10 @@ pub struct MapArguments {
 pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let path = arguments.log.display();
     let Some(draft) = draft(&arguments.log).map_err(bad_input)? else {
-        return print(format!("{path}: a flight controller's own log: no map is needed\n"));
+        return print(format!(
+            "{path}: a flight controller's own log: its fields are known, and no map is needed; where it has others, \
+             write one (docs/log-format.md, \"Flight controllers' own formats\")\n"
+        ));
     };
     match &arguments.out {
         Some(out) => {

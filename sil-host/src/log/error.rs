@@ -51,7 +51,7 @@ pub enum LogErrorKind {
     TimeRunsBack { reading: usize, before: f64, now: f64, gone: usize },
     #[error("{0}: a wrong unit or a broken sensor")]
     MostlyOutOfRange(String),
-    #[error("the log holds no {wanted}; it holds: {here}")]
+    #[error("the log holds no {wanted}; it holds: {}", under_known_names(.here))]
     NoReadings { wanted: &'static str, here: String },
     #[error("expected at least {ROWS_MIN} rows with rates, angles and commands, found {rows}; it holds {streams}")]
     TooFewRowsInCommon { rows: usize, streams: String },
@@ -95,6 +95,11 @@ pub enum LogErrorKind {
     MapSyntax(String),
     #[error("no such file, and no built-in map of that name; built in are: {0}")]
     NoSuchMap(String),
+}
+
+/// What a log holds, or that it holds nothing under a name that is known.
+fn under_known_names(here: &str) -> &str {
+    if here.is_empty() { "nothing under a name that is known here (a --map names the fields)" } else { here }
 }
 
 fn listed(contradictions: &[Contradiction]) -> String {

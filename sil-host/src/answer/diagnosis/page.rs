@@ -107,7 +107,9 @@ fn base_model(answer: &Diagnosis) -> Option<Section> {
     );
     let terms = answer.base.iter().map(base_text);
     let together = answer.lateness_s.map(|together| format!("lag and delay together: {together} s"));
-    (!answer.base.is_empty()).then(|| section.list(terms.chain(together).map(|line| on_a_page(&line))))
+    let listed = || section.list(terms.chain(together).map(|line| on_a_page(&line)));
+    let harm = evidence::what_base_harms(answer);
+    (!answer.base.is_empty()).then(|| harm.into_iter().fold(listed(), Section::warning))
 }
 
 fn causes(log: &Log, answer: &Diagnosis) -> Section {
@@ -129,7 +131,11 @@ fn causes(log: &Log, answer: &Diagnosis) -> Section {
         section = evidence::what_commands_explain(answer).into_iter().fold(section, Section::paragraph);
     }
     if answer.findings.is_empty() {
-        return section.paragraph("No effect of the catalogue lowers the error by more than chance would.");
+        return section.paragraph(if answer.base.is_empty() {
+            "No effect of the catalogue lowers the error by more than chance would."
+        } else {
+            "Beside the base model no effect of the catalogue lowers the error by more than chance would."
+        });
     }
     let gain = &answer.gain;
     let left = answer.unexplained.variance_pct;
