@@ -73,6 +73,9 @@ fn fill(log: &mut Log, quantities: &Quantities<'_>, rows_s: &[f64]) {
     }
 }
 
+/// Commands per second below which a log says little about a vehicle whose motors follow within 30 to 60 ms.
+const SLOW_HZ: f64 = 30.0;
+
 /// What the log is about, when its motors run, and what its reader should know.
 fn describe(log: &mut Log, quantities: &Quantities<'_>, rows_tried: usize, map: Option<&Map>) {
     let has = |quantity| quantities.find(quantity).is_some();
@@ -87,6 +90,7 @@ fn describe(log: &mut Log, quantities: &Quantities<'_>, rows_tried: usize, map: 
         log.notes.push(format!("read by the map {}", map.name));
     }
     log.notes.push(format!("readings per second: {}", quantities.in_words(false)));
+    log.notes.extend(quantities.slow_commands());
     let assumed: Vec<String> = log.facts.iter().filter(|fact| fact.is_assumed).map(|fact| fact.to_string()).collect();
     if !assumed.is_empty() {
         log.notes.push(format!("assumed: {}", assumed.join("; ")));
@@ -181,6 +185,19 @@ impl<'a> Quantities<'a> {
         }
         sent.axes = Axis::ALL.map(|axis| sent.axis_command[axis.index()].is_some());
         Some(sent)
+    }
+
+    /// What to think of commands that come more seldom than a vehicle answers.
+    fn slow_commands(&self) -> Option<String> {
+        let is_command = |quantity| matches!(quantity, Quantity::Motor(_) | Quantity::Command(_));
+        let slowest = self.of.iter().filter(|readings| is_command(readings.quantity)).map(Readings::rate_hz);
+        let rate_hz = slowest.fold(f64::INFINITY, f64::min);
+        (rate_hz < SLOW_HZ).then(|| {
+            format!(
+                "commands were logged {rate_hz:.0} times a second: what they were in between nobody knows, and how late \
+                 and how much a vehicle answers such a log hardly shows; {SLOW_HZ:.0} and more would"
+            )
+        })
     }
 
     /// Source, readings per second and, if wanted, span of each quantity's readings, equal ones once.

@@ -86,6 +86,20 @@ fn rows_are_the_gyros_and_hold_what_had_been_sent_by_then() {
 }
 
 #[test]
+fn commands_that_come_seldom_are_said_to() {
+    let said = |rate_hz: f64| {
+        let mut recording = several_rates();
+        recording.streams[1] = motors(&times(0.2113, 10.2113, rate_hz));
+        log_of("log", recording, None)
+            .unwrap()
+            .notes
+            .iter()
+            .any(|note| note.starts_with("commands were logged 10 times"))
+    };
+    assert!(said(10.0) && !said(37.0));
+}
+
+#[test]
 fn a_slow_attitude_is_bent_between_its_readings_and_comes_round() {
     let mut recording = several_rates();
     // a yaw that goes round and round
