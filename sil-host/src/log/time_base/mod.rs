@@ -194,8 +194,8 @@ impl<'a> Quantities<'a> {
         let rate_hz = slowest.fold(f64::INFINITY, f64::min);
         (rate_hz < SLOW_HZ).then(|| {
             format!(
-                "commands were logged {rate_hz:.0} times a second: what they were in between nobody knows, and how late \
-                 and how much a vehicle answers such a log hardly shows; {SLOW_HZ:.0} and more would"
+                "commands were logged {rate_hz:.0} times a second: what they were in between nobody knows, and such a \
+                 log hardly shows how late and how much a vehicle answers; {SLOW_HZ:.0} and more would"
             )
         })
     }
