@@ -34,9 +34,10 @@ const BENCH: [&str; 2] = ["cg_offset", "coulomb_friction"];
 /// What is ordinary of whatever a bearing holds, its vehicle known or not; and of a free flight whose vehicle no model
 /// knows, where rotors in the wind brake.
 pub(super) const BEARING: &str = "viscous_friction";
-/// What is ordinary of a free flight whose vehicle no model knows, where the log shows how the air passes.
+/// What is ordinary of any free flight, where the log shows how the air passes.
 pub(super) const IN_THE_AIR: &str = "speed_stability";
-/// What is ordinary of a testbed's model: its inertias are wrong axis by axis, so that a lift scale cannot serve all.
+/// What is ordinary of a vehicle's model on its testbed, and in the air where the log shows lift itself: its inertias
+/// are wrong axis by axis, so that a lift scale cannot serve all.
 pub(super) const INERTIA: &str = "inertia_error";
 
 /// Lag and delay beside gains that a regression gave, s.

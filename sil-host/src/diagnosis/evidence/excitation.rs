@@ -150,8 +150,8 @@ fn weaknesses(parameters: &[Excited], condition_number: Option<f64>, alike: &[us
             None => sentences
                 .push(format!("In this log the {axis} command has no effect on {axis}: {what} cannot be determined.")),
             Some(relative) if relative > UNMOVED => sentences.push(format!(
-                "In this log the command hardly moves {axis}: {what} can be determined to {:.0} % only (one standard \
-                 deviation).",
+                "In this log the command hardly moves {axis}: {what} can be determined to {:.0} % at best (one \
+                 standard deviation).",
                 100.0 * relative
             )),
             Some(_) => {}
