@@ -1,6 +1,7 @@
 //! One line of a drafted map, from a column's name and values: key with its unit, scale, and the reason for each.
 
-use super::names::Named;
+use super::names::{Named, is_place};
+use crate::axis::Axis;
 use crate::log::Quantity;
 
 /// A line of the map in the making.
@@ -19,7 +20,8 @@ pub(super) struct Entry {
 impl Entry {
     /// The line of the map, its reason as a comment.
     pub(super) fn line(&self) -> String {
-        let mut fields = format!("column = \"{}\"", self.column.replace('\\', "\\\\").replace('"', "\\\""));
+        let taken = if is_place(&self.column) { "rate_of" } else { "column" };
+        let mut fields = format!("{taken} = \"{}\"", self.column.replace('\\', "\\\\").replace('"', "\\\""));
         if self.sign < 0.0 {
             fields.push_str(", sign = -1");
         }
@@ -46,7 +48,9 @@ pub(super) fn entry(column: &str, said: &Named, values: &[f64]) -> Entry {
     };
     let (scale, offset, about) = size_of_command(quantity, values);
     why.extend(about);
-    Entry { quantity, key, column: column.to_owned(), sign: 1.0, scale, offset, rank: said.rank, why }
+    // the Crazyflie's y counts to the left
+    let sign = if quantity == Quantity::Velocity(Axis::Pitch) && is_place(column) { -1.0 } else { 1.0 };
+    Entry { quantity, key, column: column.to_owned(), sign, scale, offset, rank: said.rank, why }
 }
 
 /// How a command becomes a number up to 1, by the largest of its values.

@@ -101,6 +101,8 @@ pub(super) fn named(name: &str) -> Option<Named> {
     } else if has(&HEIGHT) && !has(&REFERENCE) || words == ["state", "estimate", "z"] {
         // the Crazyflie's state estimate counts upward
         Quantity::Height
+    } else if let Some(along) = place(&words) {
+        Quantity::Velocity(along)
     } else if has(&ACCELEROMETER) || first_is(&["ax", "ay", "az"]) {
         Quantity::Accel(axis?.0)
     } else if has(&THRUST) && (has(&COMMAND) || has(&REFERENCE) || axis.is_none()) && !has(&["actuator"]) {
@@ -131,6 +133,23 @@ pub(super) fn named(name: &str) -> Option<Named> {
     };
     let rank = if quantity == Quantity::Thrust && !has(&COMMAND) { 2 } else { 1 };
     Some(Named { quantity, unit: unit_of(&words, quantity), rank })
+}
+
+/// Along what a place is, north or east, of a Crazyflie's state estimate.
+fn place(words: &[String]) -> Option<Axis> {
+    match words {
+        [state, estimate, letter] if state == "state" && estimate == "estimate" => match letter.as_str() {
+            "x" => Some(Axis::Roll),
+            "y" => Some(Axis::Pitch),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Is a column of this name a place, whose change is the velocity?
+pub(super) fn is_place(name: &str) -> bool {
+    place(&words(name)).is_some()
 }
 
 /// A motor's command or a rotor's speed: `m1`, `motor_1`, `rpm1`; numbers from 1.
@@ -178,12 +197,13 @@ mod tests {
             ("vbat_V", Quantity::Battery, None),
             ("roll_deg", Quantity::Angle(Roll), Some("_deg")),
             ("stateEstimate_z", Quantity::Height, None),
+            ("stateEstimate_x", Quantity::Velocity(Roll), None),
             ("baro_alt", Quantity::Height, None),
         ] {
             let said = named(name).unwrap_or_else(|| panic!("{name}"));
             assert_eq!((said.quantity, said.unit), (quantity, unit), "{name}");
         }
-        for name in ["x_m", "v_m_s", "q_sp_rad_s", "controller_rollRate", "stateEstimate_x", "motors_on", "note"] {
+        for name in ["x_m", "v_m_s", "q_sp_rad_s", "controller_rollRate", "motors_on", "note"] {
             assert_eq!(named(name).map(|said| said.quantity), None, "{name}");
         }
         assert!(is_command_of_some_axis("M_cmd_norm") && !is_command_of_some_axis("roll_cmd"));
