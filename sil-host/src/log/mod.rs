@@ -161,9 +161,6 @@ fn note_gaps(log: &mut Log) {
 
 /// Single rows are dropped by many loggers and cost little; five in a row are an interruption.
 const GAP_STEPS: f64 = 5.0;
-/// No vehicle does much within this time, s, however many rows there should have been: a logger of 500 rows per second
-/// that is held up for 20 ms seven times a second is no log of short pieces.
-const SHORT_S: f64 = 0.04;
 
 /// One column, a value per row; `None` where the log has none.
 pub type Column = Option<Vec<f64>>;
@@ -266,7 +263,7 @@ impl Log {
 
     /// A longer step than this from row to row is a gap: rows are missing.
     pub fn longest_regular_step_s(&self) -> f64 {
-        (GAP_STEPS * self.median_step_s()).max(SHORT_S)
+        GAP_STEPS * self.median_step_s()
     }
 
     /// The four motor commands, if the log has all of them.
