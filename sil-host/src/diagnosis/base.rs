@@ -87,16 +87,7 @@ pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
     let of_first = usize::from(!scope.pushed);
     let is_inertia = |effect: &Fitted| scope.is_vehicle && (scope.is_held || scope.pushed) && effect.name() == INERTIA;
     let inertias = Fitted::hypotheses(scope).into_iter().filter(is_inertia).skip(of_first);
-    let flight = (scope.flies_free || !scope.is_vehicle && scope.shown_free).then(|| by_speed(scope)).flatten();
-    ordinary_of_any(scope).into_iter().chain(bench).chain(inertias).chain(flight).collect()
-}
-
-/// What air across the rotors does to a vehicle, where a log shows how the air passes.
-pub(super) fn by_speed(scope: &Scope) -> Option<Fitted> {
-    let [roll, pitch, _] = scope.scale.inertia_kg_m2;
-    let std = BY_SPEED_STD * 0.5 * (roll + pitch);
-    let found = Fitted::hypotheses(scope).into_iter().find(|effect| effect.name() == IN_THE_AIR)?;
-    Some(found.expected(Prior { mean: 0.0, std }))
+    ordinary_of_any(scope).into_iter().chain(bench).chain(inertias).chain(by_speed(scope)).collect()
 }
 
 /// The same, and what is shown of the sensors.
@@ -109,20 +100,28 @@ pub(super) fn ordinary_of_any(scope: &Scope) -> Vec<Fitted> {
     Fitted::hypotheses(scope).into_iter().filter(|effect| ORDINARY.contains(&effect.name())).collect()
 }
 
+/// What air across the rotors does to a vehicle, where a log shows how the air passes.
+pub(super) fn by_speed(scope: &Scope) -> Option<Fitted> {
+    let [roll, pitch, _] = scope.scale.inertia_kg_m2;
+    let std = BY_SPEED_STD * 0.5 * (roll + pitch);
+    let found = Fitted::hypotheses(scope).into_iter().find(|effect| effect.name() == IN_THE_AIR)?;
+    Some(found.expected(Prior { mean: 0.0, std }))
+}
+
 /// The base model of a log, in the noise of a search: what its nominal model leaves open and what is ordinary, fitted
 /// from several starts.
 pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candidate<'e> {
-    // a delay at the end of its range has lost its command: whatever it explains is no vehicle's
     let answers = if search.gains.is_empty() { [None; 3] } else { search.shooting.log.answers_rad_s2() };
+    // a delay at the end of its range has lost its command: whatever it explains is no vehicle's
     let rank = |fit: &Candidate<'_>| {
         let (terms, has_own_lag) = (&fit.fit.terms, (search.nominal)().drive.quickest_s().is_finite());
         let is_wrong = has_bound(terms) || !has_own_lag && acts_at_once(terms) || turns_back(terms, &answers);
         (is_wrong, fit.fit.training)
     };
     let mut best: Option<Candidate<'e>> = None;
-    let (begun_at_0, begun_at_answers) = (search.gains.clone(), with_answers(&search.gains, &answers));
+    let begun_at_answers = with_answers(&search.gains, &answers);
     let mut begins: Vec<(&[Term<'e>], [f64; 2])> =
-        LAG_AND_DELAY_S.iter().map(|late| (&begun_at_0[..], *late)).collect();
+        LAG_AND_DELAY_S.iter().map(|late| (&search.gains[..], *late)).collect();
     begins.extend(begun_at_answers.as_ref().map(|gains| (&gains[..], USUAL_LAG_AND_DELAY_S)));
     let total = begins.len();
     for (done, (gains, start)) in begins.iter().enumerate() {
