@@ -16,6 +16,10 @@ pub struct MotorLag {
     pub time_constant_s: f64,
 }
 
+/// The shortest lag that the integration follows, s. A shorter one is over within the first of its steps, which then is
+/// up to a sixth of itself (3 us) early or late.
+const FOLLOWED_FROM_S: f64 = 4e-5;
+
 const TIME_CONSTANT: Parameter = Parameter::new("time_constant_s", "s", "time constant", [0.0, 2.0]);
 
 impl Catalogued for MotorLag {
@@ -53,6 +57,33 @@ impl Extension for MotorLag {
     }
 
     fn step_max_s(&self, _inertia_kg_m2: [f64; 3]) -> f64 {
-        if self.time_constant_s > 0.0 { 0.5 * self.time_constant_s } else { f64::INFINITY }
+        if self.time_constant_s > 0.0 { 0.5 * self.time_constant_s.max(FOLLOWED_FROM_S) } else { f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Effect;
+    use crate::model::{Rig, VehicleModel};
+    use crate::plant::Plant;
+
+    /// A fit whose lag ends near zero is flown too, and not for minutes.
+    #[test]
+    fn a_lag_of_next_to_nothing_flies_as_none() {
+        let rate_after = |lag_s: Option<f64>| {
+            let mut model = VehicleModel::generic(Rig::Gimbal);
+            model.effects.extend(lag_s.map(|time_constant_s| Effect::MotorLag(MotorLag { time_constant_s })));
+            let mut plant = Plant::new(&model);
+            plant.set_commands([0.5, 0.6, 0.6, 0.5]);
+            plant.advance(0.1);
+            plant.truth().rate_body_rad_s
+        };
+        let [without, nearly] = [None, Some(1e-6)].map(rate_after);
+        assert!(without[0].abs() > 0.1, "{without:?}");
+        // what 5 us of a tenth of a second, in which rates grow with the square of the time, can change
+        assert!((nearly[0] - without[0]).abs() <= 1e-4 * without[0].abs(), "{nearly:?} {without:?}");
+        let step_s = |time_constant_s| MotorLag { time_constant_s }.step_max_s([0.01; 3]);
+        assert_eq!((step_s(1e-6), step_s(0.01)), (0.5 * FOLLOWED_FROM_S, 0.005));
     }
 }
