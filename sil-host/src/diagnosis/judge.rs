@@ -16,6 +16,7 @@ use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::search::Search;
 use crate::diagnosis::usual::may_be_found;
 use crate::diagnosis::yardstick::{Errors, squared_errors};
+use crate::effects::Unknown;
 use crate::prediction::Window;
 use crate::prediction::accuracy::{ErrorOf, predict, root_mean_square, tallies};
 use crate::prediction::windowed_log::Driven;
@@ -123,11 +124,10 @@ pub(super) fn doubtful(fit: &Fit<'_>, findings: std::ops::Range<usize>) -> Optio
     doubted.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
 }
 
-/// By how many of its standard deviations the surest of a term's numbers differs from what changes nothing.
+/// By how many of its standard deviations the surest of a term's sizes differs from what changes nothing.
 fn deviations(fit: &Fit<'_>, index: usize) -> f64 {
-    let term = &fit.terms[index];
-    let numbers = term.effect.unknowns().iter().enumerate();
-    numbers.map(|(place, unknown)| fit.deviations_from(unknown.nominal, index, place).abs()).fold(0.0, f64::max)
+    let sizes = Unknown::sizes(fit.terms[index].effect.unknowns());
+    sizes.map(|(place, unknown)| fit.deviations_from(unknown.nominal, index, place).abs()).fold(0.0, f64::max)
 }
 
 /// Does a model pay for what another lacks: a share of the error, beyond chance? What puts one channel right is not to

@@ -59,6 +59,13 @@ impl Unknown {
         Self { name, nominal: 0.0, step, min, max, is_amplitude: true, constant_moment: None, prior: None }
     }
 
+    /// Those of an effect's numbers, with their places, that say how much of it there is: what it is proportional to,
+    /// and no instant or frequency beside that; else all.
+    pub(crate) fn sizes(unknowns: &[Unknown]) -> impl Iterator<Item = (usize, &Unknown)> {
+        let has_amplitude = unknowns.iter().any(|unknown| unknown.is_amplitude);
+        unknowns.iter().enumerate().filter(move |(_, unknown)| unknown.is_amplitude || !has_amplitude)
+    }
+
     /// The same with another value that changes nothing.
     pub(super) fn nominal(self, nominal: f64) -> Self {
         Self { nominal, ..self }
@@ -206,11 +213,7 @@ impl Hypothesis {
 
     /// True if the effect of these values changes nothing.
     pub(crate) fn is_void(&self, values: &[f64]) -> bool {
-        let mut amplitudes = self.unknowns.iter().zip(values).filter(|(unknown, _)| unknown.is_amplitude).peekable();
-        if amplitudes.peek().is_some() {
-            return amplitudes.all(|(_, value)| *value == 0.0);
-        }
-        self.unknowns.iter().zip(values).all(|(unknown, value)| *value == unknown.nominal)
+        Unknown::sizes(&self.unknowns).all(|(place, unknown)| values.get(place) == Some(&unknown.nominal))
     }
 
     /// The names of what is reported, in order.

@@ -223,6 +223,18 @@ fn every_effect_that_a_log_can_show_has_a_hypothesis_whose_values_are_its_own() 
     assert_eq!(found, names);
 }
 
+#[test]
+fn an_instant_or_a_frequency_is_no_size() {
+    let hypotheses = hypotheses(&whole_log(true));
+    let sizes = |effect: &str| -> Vec<&str> {
+        let of_effect = hypotheses.iter().find(|hypothesis| hypothesis.entry().name == effect).unwrap();
+        Unknown::sizes(of_effect.unknowns()).map(|(_, unknown)| unknown.name).collect()
+    };
+    assert_eq!(sizes("periodic_disturbance"), ["sine_nm", "cosine_nm"]);
+    assert_eq!(sizes("step_disturbance"), ["torque_nm"]);
+    assert_eq!(sizes("command_clipping"), ["min", "max"]);
+}
+
 /// Without stiffness the fit's spring is a constant moment, and with both it is the spring of its rest angle.
 #[test]
 fn a_spring_is_linear_in_what_is_fitted() {
