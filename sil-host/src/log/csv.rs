@@ -152,6 +152,7 @@ fn merged(file: &str, names: &[&str], fields: &[Field], rows: Rows, log: Log) ->
         axes: log.axes,
         active_when: log.active_when,
         motor_per_axis_command: log.motor_per_axis_command,
+        rig: log.rig,
         flight_controller: None,
         ..merged
     })
@@ -261,8 +262,7 @@ fn mapped_fields(names: &[&str], map: &Map, log: &mut Log) -> Result<Vec<Field>,
     let ignored: Vec<&str> = names.iter().copied().filter(is_ignored).collect();
     log.axes = map.axes;
     log.active_when = map.active_when;
-    log.motor_per_axis_command = map.motor_per_axis_command;
-    log.notes.push(format!("read by the map {}", map.name));
+    map.tell(log);
     note_ignored(log, &ignored);
     Ok(fields)
 }

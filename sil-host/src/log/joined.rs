@@ -43,6 +43,7 @@ impl Log {
             facts: first.facts.clone(),
             active_when: first.active_when,
             motor_per_axis_command: first.motor_per_axis_command,
+            rig: first.rig,
             ..joined
         })
     }

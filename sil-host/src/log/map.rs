@@ -22,10 +22,12 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::Log;
 use super::error::{LogError, LogErrorKind};
 use super::quantity::Quantity;
 use crate::axis::Axis;
 use crate::document::with_hint;
+use crate::model::Rig;
 
 /// The maps that ship with the project, by name.
 pub const BUILT_IN_MAPS: [(&str, &str); 8] = [
@@ -52,6 +54,8 @@ pub struct Map {
     pub active_when: Option<Threshold>,
     /// Change of each motor's command per unit of roll, pitch and yaw command, with the signs of docs/rig.md.
     pub motor_per_axis_command: Option<[f64; 3]>,
+    /// What holds the vehicle, where the map says so.
+    pub rig: Option<Rig>,
     /// By how much the body axes are turned about yaw ([`super::Log::turned`]), deg.
     pub frame_turn_deg: f64,
     /// The columns to read.
@@ -100,6 +104,7 @@ struct MapFile {
     axes: Option<Vec<Spanned<String>>>,
     active_when: Option<Spanned<String>>,
     motor_per_axis_cmd: Option<Spanned<[f64; 3]>>,
+    rig: Option<Spanned<String>>,
     frame_turn_deg: Option<Spanned<f64>>,
     quantities: Spanned<BTreeMap<Spanned<String>, Entry>>,
 }
@@ -158,6 +163,12 @@ impl Map {
         }
     }
 
+    /// What it says of a log beside its columns.
+    pub(super) fn tell(&self, log: &mut Log) {
+        (log.motor_per_axis_command, log.rig) = (self.motor_per_axis_command, self.rig);
+        log.notes.push(format!("read by the map {}", self.name));
+    }
+
     /// True if it names a field of this kind of message.
     pub(super) fn names_field_of(&self, kind: &str) -> bool {
         let mut terms = self.columns.iter().flat_map(|mapped| &mapped.terms);
@@ -201,8 +212,9 @@ impl Map {
         };
         let motor_per_axis_command = file.motor_per_axis_cmd.map(|given| source.mixer(&given)).transpose()?;
         let frame_turn_deg = file.frame_turn_deg.map(|given| source.turn(&given)).transpose()?.unwrap_or(0.0);
+        let rig = file.rig.map(|given| source.rig(&given)).transpose()?;
         let (name, description) = (name.to_owned(), file.description);
-        Ok(Map { name, description, axes, active_when, motor_per_axis_command, frame_turn_deg, columns })
+        Ok(Map { name, description, axes, active_when, motor_per_axis_command, rig, frame_turn_deg, columns })
     }
 }
 
@@ -270,6 +282,14 @@ impl MapText<'_> {
         }
         let message = "expected an angle of -360 to 360 degrees";
         Err(self.error(Some(given.span().start), Some("frame_turn_deg"), message))
+    }
+
+    fn rig(&self, given: &Spanned<String>) -> Result<Rig, LogError> {
+        let found = Rig::NAMES.into_iter().find(|(name, _)| name == given.get_ref());
+        found.map(|(_, rig)| rig).ok_or_else(|| {
+            let message = format!("expected \"free\" or \"gimbal\", found \"{}\"", given.get_ref());
+            self.error(Some(given.span().start), Some("rig"), &message)
+        })
     }
 
     fn axes(&self, declared: Option<Vec<Spanned<String>>>, columns: &[MappedColumn]) -> Result<[bool; 3], LogError> {

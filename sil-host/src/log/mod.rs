@@ -39,6 +39,7 @@ mod write;
 
 use std::path::Path;
 
+use crate::model::Rig;
 pub use contradiction::{Contradiction, MapLine};
 pub use csv::parse;
 pub use error::{LogError, LogErrorKind, ROWS_MIN};
@@ -197,6 +198,8 @@ pub struct Log {
     /// By how much each motor's command changes per unit of an axis command, with the signs of docs/rig.md; `None`
     /// where nobody says.
     pub motor_per_axis_command: Option<[f64; 3]>,
+    /// What held the vehicle, where a map says so.
+    pub rig: Option<Rig>,
     /// Collective command 0..1, beside the axis commands.
     pub thrust_command: Column,
     /// Reference angles, rad.

@@ -2,6 +2,7 @@
 
 use super::{Log, Quantity, sanity};
 use crate::axis::Axis;
+use crate::model::Rig;
 
 /// What a log says of its rig, and by what it says so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,12 +14,15 @@ pub struct RigShown {
 }
 
 impl Log {
-    /// What the head of the file says, else its columns, else its accelerometer, else that it is a flight controller's
+    /// What the map says, else the head of the file, else its columns, else its accelerometer, else that it is a flight controller's
     /// own; `None` where nothing tells.
     pub fn rig_shown(&self) -> Option<RigShown> {
         let says = |words: &str| self.comments.iter().any(|comment| comment.to_lowercase().contains(words));
         let has = |quantity: Quantity| self.column(quantity).is_some();
         let shown = |is_free, by| Some(RigShown { is_free, by });
+        if let Some(rig) = self.rig {
+            return shown(rig == Rig::Free, "its map");
+        }
         if says("free flight") {
             return shown(true, "its head");
         }
@@ -53,6 +57,15 @@ impl Log {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_map_that_says_so_is_believed() {
+        let flown = Log { height_m: Some(vec![1.0]), comments: vec!["free flight".to_owned()], ..Log::default() };
+        assert!(flown.shows_free_flight());
+        assert!(!Log { rig: Some(Rig::Gimbal), ..flown }.shows_free_flight());
+        assert!(!Log::default().shows_free_flight());
+        assert!(Log { rig: Some(Rig::Free), ..Log::default() }.shows_free_flight());
+    }
 
     /// 20 s of roll swinging by 0.3 rad, with what an accelerometer shows along y.
     fn swinging(along_y: impl Fn(f64) -> f64) -> Log {

@@ -86,8 +86,7 @@ fn describe(log: &mut Log, quantities: &Quantities<'_>, rows_tried: usize, map: 
     if let Some(map) = map {
         log.axes = core::array::from_fn(|axis| log.axes[axis] && map.axes[axis]);
         log.active_when = map.active_when.or(log.active_when);
-        log.motor_per_axis_command = map.motor_per_axis_command;
-        log.notes.push(format!("read by the map {}", map.name));
+        map.tell(log);
     }
     log.notes.push(format!("readings per second: {}", quantities.in_words(false)));
     log.notes.extend(quantities.slow_commands());
