@@ -10,7 +10,9 @@ use crate::axis::Axis;
 use crate::statistics::wrapped;
 
 /// The messages that are read.
-pub(super) const MESSAGES: [&str; 9] = ["IMU", "ATT", "RCOU", "BAT", "CURR", "XKF1", "NKF1", "EKF1", "ESC"];
+pub(super) const MESSAGES: [&str; 10] = ["IMU", "ATT", "AHR2", "RCOU", "BAT", "CURR", "XKF1", "NKF1", "EKF1", "ESC"];
+/// The estimators' messages, the newest kind first.
+const ESTIMATORS: [&str; 3] = ["XKF1", "NKF1", "EKF1"];
 
 const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
@@ -106,9 +108,11 @@ fn imu(messages: &Messages) -> Option<Stream> {
     Some(stream)
 }
 
-/// Angles and what the controller was given, degrees; yaw counts from 0 to 360.
+/// Angles and what the controller was given, degrees; yaw counts from 0 to 360. A log may go without `ATT`: then the
+/// angles are the estimator's, or those of the second one.
 fn attitude(messages: &Messages) -> Option<Stream> {
-    let mut stream = stream(messages, "ATT")?;
+    let mut names = ["ATT"].into_iter().chain(ESTIMATORS).chain(["AHR2"]);
+    let mut stream = names.find_map(|name| stream(messages, name))?;
     for (axis, [angle, reference]) in
         Axis::ALL.into_iter().zip([["Roll", "DesRoll"], ["Pitch", "DesPitch"], ["Yaw", "DesYaw"]])
     {
@@ -249,7 +253,7 @@ fn range_us(messages: &Messages, facts: &mut Vec<Fact>) -> [f64; 2] {
 
 /// Velocity and height of the estimator that the log has, the newest kind.
 fn position(messages: &Messages, facts: &mut Vec<Fact>) -> Option<Stream> {
-    let mut stream = ["XKF1", "NKF1", "EKF1"].into_iter().find_map(|name| stream(messages, name))?;
+    let mut stream = ESTIMATORS.into_iter().find_map(|name| stream(messages, name))?;
     for (axis, field) in Axis::ALL.into_iter().zip(["VN", "VE", "VD"]) {
         stream = stream.with(messages, field, Quantity::Velocity(axis), 1.0);
     }
