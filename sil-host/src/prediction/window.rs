@@ -81,13 +81,16 @@ fn windows_among(log: &Log, active: &[bool]) -> Result<Vec<Window>, NotPredictab
     Ok(windows)
 }
 
+/// A fast logger's pause of this length, s, leaves as much unknown as a row of the slowest logs does.
+const PAUSE_S: f64 = 0.04;
+
 /// Runs of rows (first, one past the last) without a gap in time in which the motors run.
 pub(super) fn stretches(log: &Log) -> Vec<(usize, usize)> {
     stretches_among(log, &log.active_rows())
 }
 
 fn stretches_among(log: &Log, active: &[bool]) -> Vec<(usize, usize)> {
-    let longest_regular_s = log.longest_regular_step_s();
+    let longest_regular_s = log.longest_regular_step_s().max(PAUSE_S);
     let mut stretches = Vec::new();
     let mut first = 0;
     for row in 0..log.rows() {
