@@ -296,7 +296,8 @@ fn answer<'e>(
         [0, 1, 2].map(|i| Judged { driven: &driven[i], predicted: &predicted[i], starts: &refitted[i].starts });
     let statistics = evidence::statistics::statistics(shooting, judged, &commands);
     let horizons = evidence::horizons::horizons(&shooting.log, &driven);
-    let verdict = Verdict::of(&findings, &unexplained, &statistics);
+    let base_terms = base::terms(search, found);
+    let verdict = Verdict::of(&findings, &base_terms, &unexplained, &statistics);
     let [nominal_model, _, extended_model] = &driven;
     let (conditions, spectra) = evidence::conditions::conditions(
         &shooting.log,
@@ -308,7 +309,7 @@ fn answer<'e>(
         log: LogSummary::of(log.commanding()),
         verdict,
         known: Vec::new(),
-        base: base::terms(search, found),
+        base: base_terms,
         lateness_s: lateness::together_s(search, &found.refitted.chosen),
         findings,
         rejected,

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::base::BaseTerm;
 use super::estimate::Estimate;
 use super::fitted::{Fitted, per_unit_inertia};
 use super::found::Found;
@@ -79,7 +80,8 @@ pub enum Verdict {
     UnknownEffect,
     /// With whatever was found the model is still no better than the mean of the measurements, though another could be.
     NotAModel,
-    /// It is not, and no other could be much better: something beside its commands moves the vehicle.
+    /// It is not, and no other could be much better: something beside its commands moves the vehicle. Or no axis shows
+    /// that its commands do.
     NotShown,
 }
 
@@ -87,6 +89,8 @@ pub enum Verdict {
 const FLOOR_FACTOR_MAX: f64 = 1.3;
 /// What remains of the nominal model's squared error may have a structure and yet be nothing to a user, %.
 const NEGLIGIBLE_PCT: f64 = 0.5;
+/// Standard deviations that an axis' input gain must be off zero to be one.
+const ANSWERS_FROM: f64 = 2.0;
 /// Share of the excited channels in which a model must be better than the mean of the measurements.
 const FITTED_MIN: f64 = 0.75;
 
@@ -96,7 +100,12 @@ impl Verdict {
         !matches!(self, Verdict::NotAModel | Verdict::NotShown)
     }
 
-    pub(super) fn of(findings: &[Finding], left: &Unexplained, statistics: &[ChannelStatistics]) -> Verdict {
+    pub(super) fn of(
+        findings: &[Finding],
+        base: &[BaseTerm],
+        left: &Unexplained,
+        statistics: &[ChannelStatistics],
+    ) -> Verdict {
         let is_negligible = left.signature.is_empty() || !left.cancelling && left.variance_pct < NEGLIGIBLE_PCT;
         let has_fit = |of: &&ChannelStatistics| of.extended.agreement.fit_pct.is_some_and(|fit| fit > 0.0);
         let is_fitted = |of: &[&ChannelStatistics]| {
@@ -105,6 +114,7 @@ impl Verdict {
         let excited: Vec<&ChannelStatistics> = statistics.iter().filter(|of| of.excited).collect();
         let moved: Vec<&ChannelStatistics> = statistics.iter().filter(|of| of.moved).collect();
         match (findings.is_empty(), left.times_floor <= FLOOR_FACTOR_MAX) {
+            _ if !answers(base) => Verdict::NotShown,
             _ if !is_fitted(&excited) => Verdict::NotAModel,
             _ if excited.is_empty() && !is_fitted(&moved) => Verdict::NotShown,
             (true, true) if left.signature.is_empty() => Verdict::NoDiscrepancy,
@@ -113,6 +123,13 @@ impl Verdict {
             (false, _) => Verdict::PartlyExplained,
         }
     }
+}
+
+/// Does an axis surely follow its command? What has no gain to fit has a model that says so.
+fn answers(base: &[BaseTerm]) -> bool {
+    let of_gain = base.iter().filter(|term| term.effect == "input_gain");
+    let mut gains = of_gain.flat_map(|term| term.parameters.values()).peekable();
+    gains.peek().is_none() || gains.any(|gain| gain.value.abs() > ANSWERS_FROM * gain.std)
 }
 
 /// Findings of a search, most important first.
@@ -310,7 +327,8 @@ mod tests {
         }
     }
 
-    fn verdict(channels: &[ChannelStatistics]) -> Verdict {
+    #[test]
+    fn a_model_is_blamed_only_where_another_could_do_better() {
         let left = Unexplained {
             variance_pct: 60.0,
             times_floor: 8.0,
@@ -318,11 +336,7 @@ mod tests {
             signature: "q: remains".to_owned(),
             cancelling: false,
         };
-        Verdict::of(&[], &left, channels)
-    }
-
-    #[test]
-    fn a_model_is_blamed_only_where_another_could_do_better() {
+        let verdict = |channels: &[ChannelStatistics]| Verdict::of(&[], &[], &left, channels);
         assert_eq!(verdict(&[channel(60.0, true), channel(-10.0, true)]), Verdict::NotAModel);
         assert_eq!(verdict(&[channel(-10.0, false), channel(-50.0, false)]), Verdict::NotShown);
         // what nobody could fit stands beside what is fitted
@@ -330,6 +344,17 @@ mod tests {
         // three in four are enough
         let three = [60.0, 50.0, 40.0].map(|fit| channel(fit, true));
         assert_eq!(verdict(&[&three[..], &[channel(-1.0, true)]].concat()), Verdict::UnknownEffect);
+        // nor is a model to be blamed for commands that show nothing, however well it fits
+        let gain = |value, std| BaseTerm {
+            effect: "input_gain",
+            axis: Some("roll"),
+            parameters: BTreeMap::from([("gain_rad_s2", Estimate { value, std })]),
+            ordinary: true,
+            extension: None,
+        };
+        let with = |base: &[BaseTerm]| Verdict::of(&[], base, &left, &[channel(60.0, true)]);
+        assert_eq!(with(&[gain(30.0, 21.0), gain(10.0, 6.6)]), Verdict::NotShown);
+        assert_eq!(with(&[gain(30.0, 21.0), gain(10.0, 4.0)]), Verdict::UnknownEffect);
         // a vehicle that hardly moved is neither
         let still = ChannelStatistics { moved: false, ..channel(-50.0, false) };
         assert_eq!(verdict(&[still]), Verdict::UnknownEffect);

@@ -151,7 +151,10 @@ fn dependences(search: &Search<'_>) -> Vec<Dependence> {
             per: "",
             moment: Arc::new(move |m: &Motion| on_axis(libm::cos(waves * phase(m.time_s)))),
         });
-        all.push(dependence("angle", angle));
+        // in the air no moment knows where north is, and a rig that a vehicle's model knows has no yaw
+        if axis != Axis::Yaw || !shooting.log.is_vehicle() && !shooting.log.is_of_unknown_flyer() {
+            all.push(dependence("angle", angle));
+        }
         all.push(dependence("rate", rate));
         all.push(dependence("time", time.into()));
     }
