@@ -72,8 +72,9 @@ impl<'e> Search<'e> {
             .iter()
             .map(|(index, _)| alternatives.get_mut(index - first).and_then(Option::take).unwrap_or_default())
             .collect();
-        let starts = chosen.fit.starts.clone();
-        self.concluded(nominal, self.fitted(terms, &starts, f64::INFINITY), alternatives)
+        let chosen = self.fitted(terms, &chosen.fit.starts, f64::INFINITY);
+        let bases = self.refitted_bases(&nominal);
+        self.concluded(nominal, bases, chosen, alternatives, &|_| true)
     }
 
     /// The same with what most cuts of the log give: `wanted` are findings, those of the base model's terms included.
@@ -94,27 +95,40 @@ impl<'e> Search<'e> {
             own.extend(new);
             let terms = [base, &own].concat();
             let chosen = self.fitted(terms, &found.chosen.fit.starts, f64::INFINITY);
-            self.concluded(found.nominal, chosen, alternatives)
+            let bases = [found.refitted.nominal, found.refitted.base];
+            self.concluded(found.nominal, bases, chosen, alternatives, &is_wanted)
         };
         let terms = &agreed.refitted.chosen.terms;
         agreed.unusual.retain(|place| is_wanted(&terms[*place]));
         agreed
     }
 
-    /// What is reported of chosen effects.
+    fn again(&self, candidate: &Candidate<'e>) -> Fit<'e> {
+        self.refitted(candidate.fit.terms.clone(), &candidate.fit.starts)
+    }
+
+    /// The nominal and the base model as they are reported.
+    fn refitted_bases(&self, base: &Candidate<'e>) -> [Fit<'e>; 2] {
+        let base = self.again(base);
+        let nominal =
+            if self.has_base() { self.again(&self.settled(self.gains.clone(), f64::INFINITY)) } else { base.clone() };
+        [nominal, base]
+    }
+
+    /// What is reported of chosen effects; of the base model's terms those may be findings that the caller says.
     fn concluded(
         &self,
         nominal: Candidate<'e>,
+        [unfitted, base]: [Fit<'e>; 2],
         chosen: Candidate<'e>,
         alternatives: Vec<Vec<Candidate<'e>>>,
+        may_be_unusual: &dyn Fn(&Term<'e>) -> bool,
     ) -> Found<'e> {
         let first = self.always.len();
-        let again = |candidate: &Candidate<'e>| self.refitted(candidate.fit.terms.clone(), &candidate.fit.starts);
-        let base = again(&nominal);
         // without effects it is the same model, whatever way its fit came
-        let all = if chosen.fit.terms.len() == first { base.clone() } else { again(&chosen) };
+        let all = if chosen.fit.terms.len() == first { base.clone() } else { self.again(&chosen) };
         if !self.has_base() {
-            let refitted = Refitted { nominal: base.clone(), base, chosen: all };
+            let refitted = Refitted { nominal: unfitted, base, chosen: all };
             return Found { nominal, chosen, alternatives, unusual: Vec::new(), refitted };
         }
         let kept = self.beyond_chance(&base, judged(self, base.clone(), all));
@@ -122,9 +136,8 @@ impl<'e> Search<'e> {
         let terms = chosen.fit.terms[first..].iter().zip(alternatives);
         let alternatives = terms.filter(|(term, _)| is_kept(term)).map(|(_, others)| others).collect();
         let chosen = self.fitted(kept.terms.clone(), &kept.starts, f64::INFINITY);
-        let unusual = unusual_terms(self, &kept);
-        let refitted =
-            Refitted { nominal: again(&self.settled(self.gains.clone(), f64::INFINITY)), base, chosen: kept };
+        let unusual = unusual_terms(self, &kept, may_be_unusual);
+        let refitted = Refitted { nominal: unfitted, base, chosen: kept };
         Found { nominal, chosen, alternatives, unusual, refitted }
     }
 

@@ -103,11 +103,15 @@ pub(super) fn first_that_helps<'e>(search: &Search<'e>, smaller: &Fit<'e>, large
     larger.iter().position(|larger| pays(&without, &Judged::of(search, (*larger).clone())))
 }
 
-/// Places of the base model's terms that are findings too: they pay as a finding must.
-pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<usize> {
+/// Places of those of the base model's terms that are findings too: they pay as a finding must.
+pub(super) fn unusual_terms<'e>(
+    search: &Search<'e>,
+    chosen: &Fit<'e>,
+    may_be: &dyn Fn(&Term<'e>) -> bool,
+) -> Vec<usize> {
     let with = Judged::of(search, chosen.clone());
     // where the fit of the rest has other optima, a term of no size may seem to pay
-    let places = search.gains.len()..search.always.len();
+    let places = (search.gains.len()..search.always.len()).filter(|index| may_be(&chosen.terms[*index]));
     let large = places.filter(|index| deviations(chosen, *index) > SIGMAS).collect();
     // a fit of the rest leaves less than is expected of it
     let may_pay = may_be_found(search, chosen, large)
