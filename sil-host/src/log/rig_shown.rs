@@ -14,8 +14,8 @@ pub struct RigShown {
 }
 
 impl Log {
-    /// What the map says, else the head of the file, else its columns, else its accelerometer, else that it is a flight controller's
-    /// own; `None` where nothing tells.
+    /// What the map says, else the head of the file, else its columns, else its accelerometer, else that it is a flight
+    /// controller's own; `None` where nothing tells.
     pub fn rig_shown(&self) -> Option<RigShown> {
         let says = |words: &str| self.comments.iter().any(|comment| comment.to_lowercase().contains(words));
         let has = |quantity: Quantity| self.column(quantity).is_some();

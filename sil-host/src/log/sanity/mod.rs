@@ -9,6 +9,7 @@
 //! | `minutes` | angles against rates, row by row | time in minutes, of which seconds hold too few |
 //! | `driving` | angular accelerations against commands | order, spin, signs; frames turned by 45 or 90 degrees |
 //! | `weighing` | the accelerometer against gravity and the tilt | its unit, sign and axes |
+//! | `travelling` | velocities against tilts | frames that are not one: signs, axes, headings |
 //! | `stuck` | each reading against what moves with it | frozen readings |
 //!
 //! Each is a regression (`answers`, `regression`) over means of 10 ms (`bins`). What counts as a contradiction is the
@@ -26,6 +27,7 @@ mod held;
 mod minutes;
 mod regression;
 mod stuck;
+mod travelling;
 mod turning;
 mod weighing;
 
@@ -81,8 +83,11 @@ pub fn examine(log: &Log, map: Option<&Map>) -> Examination {
     if let Some(driving) = driving {
         found.contradictions.extend(driving.contradiction(log, &columns));
         let right = Axis::ALL.into_iter().filter(|axis| driving.by_axis[axis.index()] == Answer::AsLabelled);
-        confirm(&mut found, "commands drive", right);
+        confirm(&mut found, "commands drive", right.map(Axis::name));
     }
+    let (contradictions, agreed) = travelling::examined(log, &bins, &columns);
+    found.contradictions.extend(contradictions);
+    confirm(&mut found, "the tilt moves it", agreed.into_iter());
     found
 }
 
@@ -156,11 +161,11 @@ fn turning(log: &Log, bins: &Bins, driving: Option<&Driving>, columns: &Columns<
         }
         found.contradictions.extend(contradiction);
     }
-    confirm(found, "rates turn the angles of", right.into_iter());
+    confirm(found, "rates turn the angles of", right.into_iter().map(Axis::name));
 }
 
-fn confirm(found: &mut Examination, what: &str, axes: impl Iterator<Item = Axis>) {
-    let names: Vec<&str> = axes.map(Axis::name).collect();
+fn confirm(found: &mut Examination, what: &str, names: impl Iterator<Item = &'static str>) {
+    let names: Vec<&str> = names.collect();
     if !names.is_empty() {
         found.confirmed.push(format!("{what} {}", names.join(", ")));
     }
