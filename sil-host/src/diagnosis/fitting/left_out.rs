@@ -14,10 +14,14 @@ use crate::statistics::dot;
 
 /// Most parts of the windows, each left out once.
 const PARTS_MAX: usize = 8;
-/// Fewer say nothing of a scatter.
-const PARTS_MIN: usize = 4;
-/// Windows that a part has at least: of one, a fault of its start state would be all that is left out.
-const WINDOWS_MIN: usize = 2;
+/// Windows that a part has: of one, a fault of its start state would be all that is left out.
+const WINDOWS_USUAL: usize = 2;
+/// Of so few windows each is a part all the same.
+const PARTS_USUAL: usize = 4;
+/// A scatter of few parts is known badly, and more often too small than too large: Student's 97.5 % quantiles at 1 to 7
+/// degrees of freedom, for two parts and more, over that of the most.
+const OF_FEW: [f64; PARTS_MAX - 1] =
+    [12.706 / 2.365, 4.303 / 2.365, 3.182 / 2.365, 2.776 / 2.365, 2.571 / 2.365, 2.447 / 2.365, 1.0];
 
 /// All numbers of a fit without each part of its windows, less their mean.
 #[derive(Clone, Debug, Default)]
@@ -28,10 +32,10 @@ pub(super) struct LeftOut {
 impl LeftOut {
     /// A fit to some windows, made again from its own values on; nothing for few windows or a fit without numbers.
     pub(super) fn of(found: &Fit<'_>, shooting: &Shooting<'_>, nominal: Nominal<'_>, windows: &[usize]) -> LeftOut {
-        let parts = (windows.len() / WINDOWS_MIN).min(PARTS_MAX);
-        if parts < PARTS_MIN || found.size() == 0 {
+        if windows.len() < 2 || found.size() == 0 {
             return LeftOut::default();
         }
+        let parts = (windows.len() / WINDOWS_USUAL).clamp(PARTS_USUAL.min(windows.len()), PARTS_MAX);
         let without = |part: usize| -> Vec<f64> {
             let is_in = |place: usize| place * parts / windows.len() != part;
             let others: Vec<usize> =
@@ -51,9 +55,10 @@ impl LeftOut {
 
     /// Variance of a linear function of the numbers; 0 where nothing was left out.
     pub(super) fn variance_along(&self, slope: &[f64]) -> f64 {
-        let count = self.departures.len().max(1) as f64;
+        let count = self.departures.len();
+        let Some(of_few) = count.checked_sub(2).and_then(|more| OF_FEW.get(more)) else { return 0.0 };
         let squares: f64 = self.departures.iter().map(|departure| dot(departure, slope)).map(|d| d * d).sum();
-        squares * (count - 1.0) / count
+        squares * (count - 1) as f64 / count as f64 * of_few * of_few
     }
 }
 
