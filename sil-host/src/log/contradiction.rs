@@ -50,6 +50,8 @@ pub struct MapLine {
     pub sign: f64,
     /// The column's name in the file.
     pub column: String,
+    /// True where a map makes it of how fast the column changes.
+    pub is_rate: bool,
     /// True where a map has a line for it already, which may have a sign.
     pub is_mapped: bool,
 }
@@ -58,7 +60,8 @@ impl fmt::Display for MapLine {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let is_turned = self.sign < 0.0;
         let sign = if is_turned { ", sign = -1" } else { "" };
-        write!(out, "{} = {{ column = \"{}\"{sign} }}", self.key, self.column)?;
+        let made = if self.is_rate { "rate_of" } else { "column" };
+        write!(out, "{} = {{ {made} = \"{}\"{sign} }}", self.key, self.column)?;
         if is_turned && self.is_mapped { write!(out, "   # or 1, where it is -1 now") } else { Ok(()) }
     }
 }

@@ -6,6 +6,7 @@
 //! axes = ["pitch"]                       # the axes the log has; roll and pitch if left out
 //! active_when = "thrust_cmd > 0"         # rows in which the motors run; all of them if left out
 //! motor_per_axis_cmd = [0.25, 0.25, 0.5] # change of each motor's command per roll_cmd, pitch_cmd, yaw_cmd
+//! rig = "free"                           # or "gimbal"; what the log shows if left out
 //! frame_turn_deg = 45                    # turns the body axes about yaw, clockwise from above: a plus frame to an X
 //! [quantities]                           # names and units of docs/log-format.md, motors in the order of docs/rig.md
 //! time_s    = { column = "t" }

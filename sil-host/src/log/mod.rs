@@ -149,7 +149,7 @@ fn has_extension(path: &Path, extension: &str) -> bool {
     name.ends_with(&format!(".{extension}"))
 }
 
-/// One note for all gaps: they cut windows, so the reader of a report should know.
+/// One note for all gaps: longer ones cut windows, so the reader of a report should know.
 fn note_gaps(log: &mut Log) {
     let longest_regular_s = log.longest_regular_step_s();
     let steps = log.time_s.windows(2).map(|t| t[1] - t[0]);

@@ -70,7 +70,7 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     }
     let order = motor_order(messages, &mut recording.facts, &mut recording.frame_turn_deg)?;
     recording.streams.extend(imu(messages));
-    recording.streams.extend(attitude(messages));
+    recording.streams.extend(attitude(messages, &mut recording.facts));
     recording.streams.extend(outputs(messages, &order, &mut recording.facts));
     recording.streams.extend(position(messages, &mut recording.facts));
     recording.streams.extend(battery(messages, &mut recording.facts));
@@ -109,10 +109,13 @@ fn imu(messages: &Messages) -> Option<Stream> {
 }
 
 /// Angles and what the controller was given, degrees; yaw counts from 0 to 360. A log may go without `ATT`: then the
-/// angles are the estimator's, or those of the second one.
-fn attitude(messages: &Messages) -> Option<Stream> {
+/// angles are those of the estimator's first core, or else of the attitude that is its stand-in.
+fn attitude(messages: &Messages, facts: &mut Vec<Fact>) -> Option<Stream> {
     let mut names = ["ATT"].into_iter().chain(ESTIMATORS).chain(["AHR2"]);
     let mut stream = names.find_map(|name| stream(messages, name))?;
+    if stream.name != "ATT" {
+        facts.push(Fact::assumed("attitude", FactValue::Text(stream.name.clone()), "the log has no ATT"));
+    }
     for (axis, [angle, reference]) in
         Axis::ALL.into_iter().zip([["Roll", "DesRoll"], ["Pitch", "DesPitch"], ["Yaw", "DesYaw"]])
     {

@@ -138,6 +138,25 @@ fn attitude_is_read_in_degrees_and_yaw_comes_round() {
     }
 }
 
+/// Of two cores the first one's, which is said.
+#[test]
+fn without_att_the_estimator_has_the_attitude() {
+    let file = flight(|file| file.definition(132, 18, "XKF1", "QBccC", "TimeUS,C,Roll,Pitch,Yaw"));
+    let file = (0..600_u64).fold(file, |file, row| {
+        let (core, roll) = ((row % 2) as u8, if row % 2 == 0 { 250_i16 } else { 900 });
+        let angles = [roll.to_le_bytes(), (-400_i16).to_le_bytes(), 27_000_u16.to_le_bytes()].concat();
+        let time_us = 1_000_000 + 2500 * (row / 2);
+        file.message(132, &[&time_us.to_le_bytes()[..], &[core], &angles].concat())
+    });
+    let log = file.read().unwrap();
+    let degrees = |axis| log.column(Quantity::Angle(axis)).unwrap()[3].to_degrees();
+    use crate::axis::Axis::{Pitch, Roll, Yaw};
+    for (axis, expected) in [(Roll, 2.5), (Pitch, -4.0), (Yaw, -90.0)] {
+        assert!((degrees(axis) - expected).abs() < 1e-12, "{axis:?} {}", degrees(axis));
+    }
+    assert!(log.facts.iter().any(|fact| fact.name == "attitude" && fact.value == FactValue::Text("XKF1".to_owned())));
+}
+
 #[test]
 fn damaged_bytes_cost_their_messages_and_are_counted() {
     let whole = flight(|file| file).0;

@@ -177,6 +177,11 @@ impl Answers {
         Some(here + 0.5 * top * (after - before) + 0.5 * top * top * (after - 2.0 * here + before))
     }
 
+    /// True if at no lag beyond those that were tried more may be explained.
+    pub(super) fn has_a_best_lag_within(&self) -> bool {
+        self.best > 0 && self.best + 1 < self.by_lag.len()
+    }
+
     /// How many stretches the log is in.
     pub(super) fn stretches(&self) -> usize {
         self.stretches

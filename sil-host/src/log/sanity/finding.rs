@@ -21,8 +21,11 @@ pub(super) struct Columns<'a> {
 impl Columns<'_> {
     /// The column of a quantity.
     pub(super) fn of(&self, quantity: Quantity) -> String {
-        let mapped = self.map.and_then(|map| map.columns.iter().find(|column| column.quantity == quantity));
-        mapped.map_or_else(|| quantity.name(), MappedColumn::called)
+        self.mapped(quantity).map_or_else(|| quantity.name(), MappedColumn::called)
+    }
+
+    fn mapped(&self, quantity: Quantity) -> Option<&MappedColumn> {
+        self.map?.columns.iter().find(|column| column.quantity == quantity)
     }
 
     /// The quantity and, where a map gave it, the column.
@@ -33,6 +36,7 @@ impl Columns<'_> {
 
     /// A line that gives a key from the column of a quantity, or against it.
     pub(super) fn line(&self, key: &str, from: Quantity, sign: f64) -> MapLine {
-        MapLine { key: key.to_owned(), from, sign, column: self.of(from), is_mapped: self.map.is_some() }
+        let is_rate = self.mapped(from).is_some_and(|mapped| mapped.is_rate);
+        MapLine { key: key.to_owned(), from, sign, column: self.of(from), is_rate, is_mapped: self.map.is_some() }
     }
 }

@@ -1,7 +1,7 @@
 //! The gate before every comparison and diagnosis: a log whose columns can't be what they are labelled as is refused,
 //! with the likely mix-up and the line of a map that would mend it. Else a turned sign becomes a confident finding.
 //!
-//! Asked is what any vehicle must obey, whatever its model, its rig or its faults:
+//! Asked is what any vehicle must obey, whatever its model or its faults:
 //!
 //! | file | what is held against what | what it finds |
 //! |---|---|---|
@@ -85,9 +85,9 @@ pub fn examine(log: &Log, map: Option<&Map>) -> Examination {
         let right = Axis::ALL.into_iter().filter(|axis| driving.by_axis[axis.index()] == Answer::AsLabelled);
         confirm(&mut found, "commands drive", right.map(Axis::name));
     }
-    let (contradictions, agreed) = travelling::examined(log, &bins, &columns);
-    found.contradictions.extend(contradictions);
-    confirm(&mut found, "the tilt moves it", agreed.into_iter());
+    let (contradiction, agreed) = travelling::examined(log, &bins, &columns);
+    found.contradictions.extend(contradiction);
+    confirm(&mut found, "a lean carries the vehicle", agreed.into_iter());
     found
 }
 
