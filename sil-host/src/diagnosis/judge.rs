@@ -128,10 +128,18 @@ pub(super) fn doubtful(fit: &Fit<'_>, findings: std::ops::Range<usize>) -> Optio
     doubted.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
 }
 
-/// By how many of its standard deviations the surest of a term's sizes differs from what changes nothing.
+/// By how many of its standard deviations the surest of a term's sizes differs from what changes nothing, or all of
+/// them together: of a wave sine and cosine may each be less sure than its amplitude.
 fn deviations(fit: &Fit<'_>, index: usize) -> f64 {
-    let sizes = Unknown::sizes(fit.terms[index].effect.unknowns());
-    sizes.map(|(place, unknown)| fit.deviations_from(unknown.nominal, index, place).abs()).fold(0.0, f64::max)
+    let (term, first) = (&fit.terms[index], fit.first_place_of(index));
+    let (mut together, mut square, mut surest) = (vec![0.0; fit.size()], 0.0, 0.0_f64);
+    for (place, unknown) in Unknown::sizes(term.effect.unknowns()) {
+        let size = term.values[place] - unknown.nominal;
+        together[first + place] = size;
+        square += size * size;
+        surest = surest.max(fit.deviations_from(unknown.nominal, index, place).abs());
+    }
+    surest.max(square / fit.variance_along(&together).max(f64::MIN_POSITIVE).sqrt())
 }
 
 /// Does a model pay for what another lacks: a share of the error, beyond chance? What puts one channel right is not to

@@ -114,8 +114,8 @@ impl Verdict {
         let excited: Vec<&ChannelStatistics> = statistics.iter().filter(|of| of.excited).collect();
         let moved: Vec<&ChannelStatistics> = statistics.iter().filter(|of| of.moved).collect();
         match (findings.is_empty(), left.times_floor <= FLOOR_FACTOR_MAX) {
-            _ if !answers(base) => Verdict::NotShown,
             _ if !is_fitted(&excited) => Verdict::NotAModel,
+            _ if !answers(base) => Verdict::NotShown,
             _ if excited.is_empty() && !is_fitted(&moved) => Verdict::NotShown,
             (true, true) if left.signature.is_empty() => Verdict::NoDiscrepancy,
             (true, _) => Verdict::UnknownEffect,

@@ -17,7 +17,7 @@ pub struct MotorLag {
 }
 
 /// The shortest lag that the integration follows, s. A shorter one is over within the first of its steps, which then is
-/// up to a sixth of itself (3 us) early or late.
+/// up to a sixth of itself (3 us) late.
 const FOLLOWED_FROM_S: f64 = 4e-5;
 
 const TIME_CONSTANT: Parameter = Parameter::new("time_constant_s", "s", "time constant", [0.0, 2.0]);

@@ -1,4 +1,4 @@
-//! Which rows are predicted: windows of 0.5 s in which the motors run and no row is missing.
+//! Which rows are predicted: windows of 0.5 s in which the motors run and no row is missing, but for pauses.
 
 use super::error::NotPredictable;
 use crate::log::Log;
@@ -52,8 +52,8 @@ pub enum Part {
 /// little.
 const FOURS_FITTED: usize = 30;
 
-/// Cuts the log into windows, one behind the other. Neither a gap nor a row with standing motors lies within a window
-/// or within the rows that its start state comes from.
+/// Cuts the log into windows, one behind the other. Neither a gap longer than a pause nor a row with standing motors
+/// lies within a window or within the rows that its start state comes from.
 ///
 /// # Errors
 /// The rows are too far apart, or there is no window at all.
@@ -81,7 +81,7 @@ fn windows_among(log: &Log, active: &[bool]) -> Result<Vec<Window>, NotPredictab
     Ok(windows)
 }
 
-/// A fast logger's pause of this length, s, leaves as much unknown as a row of the slowest logs does.
+/// A fast logger's pause of this length, s, leaves as much unknown as a row of a log of 25 rows/s does.
 const PAUSE_S: f64 = 0.04;
 
 /// Runs of rows (first, one past the last) without a gap in time in which the motors run.

@@ -29,7 +29,7 @@ pub fn headline(answer: &Diagnosis) -> String {
     };
     match (answer.verdict, answer.findings.first()) {
         (Verdict::NotAModel, _) => "No model was found of the vehicle that flew".to_owned(),
-        (Verdict::NotShown, _) => "Something beside its commands moves this vehicle as much".to_owned(),
+        (Verdict::NotShown, _) => "The log does not show what this vehicle's commands do".to_owned(),
         (_, Some(first)) => format!("{}{others}", sentence(first)),
         (Verdict::NoDiscrepancy, None) => "The simulation agrees with this log".to_owned(),
         (_, None) => {
@@ -59,7 +59,11 @@ pub fn lead(log: &Log, answer: &Diagnosis) -> Vec<String> {
             with_unit(100.0 * saturated, "%")
         )
     });
-    let advice = (answer.verdict == Verdict::NotAModel).then(|| WITHOUT_A_MODEL.to_owned());
+    let advice = match answer.verdict {
+        Verdict::NotAModel => Some(WITHOUT_A_MODEL.to_owned()),
+        Verdict::NotShown => Some(super::page::headline(Verdict::NotShown).to_owned()),
+        _ => None,
+    };
     improvement(answer).into_iter().chain(at_limit).chain(advice).collect()
 }
 
@@ -129,7 +133,7 @@ pub(crate) fn card(answer: &Diagnosis) -> Card {
         Verdict::PartlyExplained => (Tone::Doubtful, "Partly explained: something else is wrong too"),
         Verdict::UnknownEffect => (Tone::Bad, "Not explained by any known effect"),
         Verdict::NotAModel => (Tone::Bad, "Not a model: no better than the mean of the measurements"),
-        Verdict::NotShown => (Tone::Doubtful, "Not shown: no model of the commands predicts this flight"),
+        Verdict::NotShown => (Tone::Doubtful, "Not shown: what the commands do"),
     };
     let card = Card::new(tone).line("Verdict", verdict);
     let card = match answer.findings.first() {

@@ -1,7 +1,7 @@
 //! On which measured quantity the remainder depends. Moments of general shapes, none of them in the catalogue, are
-//! tried beside the findings: on each axis the angle's and the rate's square and cube and slow changes with time, each
-//! motor's lift squared, all lifts with time. The one that explains most is reported as the remainder's signature: its
-//! quantity and shape, not the name of an effect.
+//! tried beside the findings: on each axis the angle's square and cube (not yaw's in the air), the rate's and slow
+//! changes with time, each motor's lift squared, all lifts with time. The one that explains most is reported as the
+//! remainder's signature: its quantity and shape, not the name of an effect.
 
 use std::sync::Arc;
 
