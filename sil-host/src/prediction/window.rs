@@ -366,6 +366,17 @@ mod tests {
     }
 
     #[test]
+    fn a_fast_logs_pauses_cut_no_window_and_longer_gaps_do() {
+        // a row each 2 ms, and after each quarter of a second none for so long
+        let with = |pause_s: f64| {
+            let time_s = |row: u32| 0.002 * f64::from(row) + f64::from(row / 125) * (pause_s - 0.002);
+            windows(&log_at((0..5000).map(time_s).collect()))
+        };
+        assert!(with(0.03).unwrap().len() > 15);
+        assert!(with(0.05).is_err());
+    }
+
+    #[test]
     fn no_window_holds_a_gap_or_a_row_with_standing_motors() {
         let mut time_s = 0.0;
         let jitter = |row: u32| 0.004 * (1.0 + 0.4 * f64::from(row % 7) / 7.0);

@@ -1,5 +1,5 @@
 //! How uncertain fitted numbers are, by what they would be had a part of the flight been another: the fit is made again
-//! without each of up to eight parts of its windows, one after the other in time, and the numbers' scatter is carried
+//! without each of two to eight parts of its windows, one after the other in time, and the numbers' scatter is carried
 //! over to the whole (the jackknife with groups left out: Shao and Tu, The Jackknife and Bootstrap, 1995, section 2.3).
 //!
 //! The scatter of the windows' wishes at one optimum (`scatter`) says the same as long as a fit is linear in its
@@ -14,13 +14,15 @@ use crate::statistics::dot;
 
 /// Most parts of the windows, each left out once.
 const PARTS_MAX: usize = 8;
+/// One says nothing of a scatter.
+const PARTS_MIN: usize = 2;
 /// Windows that a part has: of one, a fault of its start state would be all that is left out.
 const WINDOWS_USUAL: usize = 2;
 /// Of so few windows each is a part all the same.
 const PARTS_USUAL: usize = 4;
 /// A scatter of few parts is known badly, and more often too small than too large: Student's 97.5 % quantiles at 1 to 7
 /// degrees of freedom, for two parts and more, over that of the most.
-const OF_FEW: [f64; PARTS_MAX - 1] =
+const OF_FEW: [f64; PARTS_MAX - PARTS_MIN + 1] =
     [12.706 / 2.365, 4.303 / 2.365, 3.182 / 2.365, 2.776 / 2.365, 2.571 / 2.365, 2.447 / 2.365, 1.0];
 
 /// All numbers of a fit without each part of its windows, less their mean.
@@ -30,9 +32,9 @@ pub(super) struct LeftOut {
 }
 
 impl LeftOut {
-    /// A fit to some windows, made again from its own values on; nothing for few windows or a fit without numbers.
+    /// A fit to some windows, made again from its own values on; nothing for one window or a fit without numbers.
     pub(super) fn of(found: &Fit<'_>, shooting: &Shooting<'_>, nominal: Nominal<'_>, windows: &[usize]) -> LeftOut {
-        if windows.len() < 2 || found.size() == 0 {
+        if windows.len() < PARTS_MIN || found.size() == 0 {
             return LeftOut::default();
         }
         let parts = (windows.len() / WINDOWS_USUAL).clamp(PARTS_USUAL.min(windows.len()), PARTS_MAX);
@@ -56,7 +58,7 @@ impl LeftOut {
     /// Variance of a linear function of the numbers; 0 where nothing was left out.
     pub(super) fn variance_along(&self, slope: &[f64]) -> f64 {
         let count = self.departures.len();
-        let Some(of_few) = count.checked_sub(2).and_then(|more| OF_FEW.get(more)) else { return 0.0 };
+        let Some(of_few) = count.checked_sub(PARTS_MIN).and_then(|more| OF_FEW.get(more)) else { return 0.0 };
         let squares: f64 = self.departures.iter().map(|departure| dot(departure, slope)).map(|d| d * d).sum();
         squares * (count - 1) as f64 / count as f64 * of_few * of_few
     }
@@ -80,6 +82,22 @@ mod tests {
         }
         // of 400 variances with seven degrees of freedom each the mean is known to 2.7 %; four times that
         assert!((claimed * PARTS_MAX as f64 - 1.0).abs() < 0.11, "{claimed}");
+    }
+
+    #[test]
+    fn few_parts_lie_outside_no_more_often_than_many() {
+        let mut random = RandomStream::new(5, "few left out");
+        for count in PARTS_MIN..=PARTS_MAX {
+            let is_outside = |_: &usize| {
+                let parts: Vec<f64> = (0..count).map(|_| random.normal()).collect();
+                let sum: f64 = parts.iter().sum();
+                let values = parts.iter().map(|part| vec![(sum - part) / (count - 1) as f64]).collect();
+                (sum / count as f64).abs() > 2.365 * LeftOut::from_values(values).variance_along(&[1.0]).sqrt()
+            };
+            let outside = (0..4000).filter(is_outside).count();
+            // 5 % of 4000 are known to 14; four times that
+            assert!((144..=256).contains(&outside), "{outside} with {count} parts");
+        }
     }
 
     #[test]

@@ -29,6 +29,11 @@ impl Estimate {
     pub(super) fn is_below(&self, bound: f64) -> bool {
         Estimate { value: -self.value, ..*self }.is_above(-bound)
     }
+
+    /// True if, in the direction of a sign, it is larger than chance makes of a bound.
+    pub(super) fn is_beyond(&self, sign: f64, bound: f64) -> bool {
+        if sign > 0.0 { self.is_above(bound) } else { self.is_below(-bound) }
+    }
 }
 
 /// A figure of a log, from the figure of all stretches and of all but one; `None` where it can't be computed.

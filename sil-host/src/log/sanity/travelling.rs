@@ -69,14 +69,12 @@ pub(super) fn examined(log: &Log, bins: &Bins, columns: &Columns<'_>) -> (Option
     let Some(answers) = answers(log, bins) else { return (None, Vec::new()) };
     let (mut instead, mut agreed) = (Vec::new(), Vec::new());
     for (response, (direction, _)) in WORLD.into_iter().enumerate() {
-        let explained = answers.estimate(|sums| answers.explained_in(sums, response));
-        if explained.is_none_or(|share| share.value < SHARE_MIN) {
+        if answers.explained_in(&answers.sums(None), response).is_none_or(|share| share < SHARE_MIN) {
             continue;
         }
         let of_input = |input: usize, sign: f64| {
-            let slope = answers.slope(response, input)?;
-            let is_large = if sign > 0.0 { slope.is_above(SLOPE_MIN) } else { slope.is_below(-SLOPE_MIN) };
-            is_large.then_some(Instead { response, input, sign, slope: slope.value })
+            let slope = answers.slope(response, input).filter(|slope| slope.is_beyond(sign, SLOPE_MIN))?;
+            Some(Instead { response, input, sign, slope: slope.value })
         };
         match answers.answer(response, &[0, 1]) {
             Answer::AsLabelled if of_input(response, 1.0).is_some() => agreed.push(direction),

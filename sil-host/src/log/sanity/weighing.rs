@@ -193,10 +193,7 @@ pub(super) fn of_the_tilt(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Vec<
     for (response, axis) in [(0, Axis::Roll), (1, Axis::Pitch)] {
         let Answer::Instead { input, sign } = answers.answer(response, &[0, 1]) else { continue };
         // in flight the accelerometer shows thrust and drag: only what is mostly gravity speaks of the attitude
-        if !answers
-            .slope(response, input)
-            .is_some_and(|slope| if sign > 0.0 { slope.is_above(0.5) } else { slope.is_below(-0.5) })
-        {
+        if !answers.slope(response, input).is_some_and(|slope| slope.is_beyond(sign, 0.5)) {
             continue;
         }
         let force = Quantity::Accel(axis);
