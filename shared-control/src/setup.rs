@@ -119,9 +119,6 @@ impl Setup {
 /// The tuning for a vehicle by these choices: for the one that they name, or for the same as flights have corrected it
 /// ([`Proposal`](crate::learning::proposal::Proposal)).
 pub fn tuning(params: &Params, vehicle: &VehicleParameters) -> Tuning {
-    let usual = Tuning::for_vehicle(vehicle);
-    // the cascade would overshoot behind the quick MPC's reference
-    let is_quick = params.mpc_quick && params.controller == Controller::Mpc;
     Tuning {
         mpc_motor_limits: params.motor_limits && usize::from(params.control_horizon) <= COUPLED_INPUTS_MAX,
         mpc_work_limit: COUPLED_WORK_PER_S / usize::from(params.loop_rate_hz.max(1)),
@@ -130,7 +127,7 @@ pub fn tuning(params: &Params, vehicle: &VehicleParameters) -> Tuning {
         learning: params.learning && params.controller == Controller::Mpc,
         ground_idle_command: f32::from(params.ground_idle_percent) / 100.0,
         flight_idle_command: f32::from(params.flight_idle_percent) / 100.0,
-        ..if is_quick { usual.quick(vehicle) } else { usual }
+        ..Tuning::for_flight(vehicle, params.controller, params.mpc_quick)
     }
 }
 

@@ -67,8 +67,7 @@ impl ControllerChoice {
 
     /// Gains and weights for a vehicle: those that follow from it, and what differs.
     pub fn tuning_for(&self, vehicle: &VehicleParameters) -> Tuning {
-        let usual = Tuning::for_vehicle(vehicle);
-        self.tuning.over(if self.quick { usual.quick(vehicle) } else { usual })
+        self.tuning.over(Tuning::for_flight(vehicle, self.controller, self.quick))
     }
 
     /// `pid`, `mpc`, `mpc-quick`, or the path of a file.

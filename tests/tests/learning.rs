@@ -13,8 +13,12 @@ use sil_host::scenario::Scenario;
 /// its sensors, the running core.
 #[test]
 fn a_rehearsed_loop_is_as_sensitive_as_the_measured_one() {
-    let text = "controller = \"mpc\"\n[tuning]\nmpc_gyro_delay_s = 0.00225\n";
-    for rig in [Rig::Gimbal, Rig::Free] {
+    let usual = "controller = \"mpc\"\n";
+    let slower = "controller = \"mpc\"\n[tuning]\nmpc_prediction_step_s = 0.01\nmpc_lead_s = [0.15, 0.15, 0.15]\n";
+    // what the rehearsal leaves out counts for more where the loop is quicker
+    for (text, rig, tolerance) in
+        [(usual, Rig::Gimbal, 0.04), (usual, Rig::Free, 0.06), (slower, Rig::Gimbal, 0.04), (slower, Rig::Free, 0.04)]
+    {
         let setup = FlightSetup {
             model: VehicleModel::nominal(rig),
             controller_model: None,
@@ -40,7 +44,7 @@ fn a_rehearsed_loop_is_as_sensitive_as_the_measured_one() {
             let peak = f64::from(rehearsed.peak_sensitivity);
             // the gyro's filter is more than a delay, motors are no first-order lags, the grids of frequencies differ
             let expected = measured[axis].sensitivity_peak;
-            assert!((peak / expected - 1.0).abs() < 0.04, "{rig:?}, axis {axis}: {peak}, measured {expected}");
+            assert!((peak / expected - 1.0).abs() < tolerance, "{rig:?}, axis {axis}: {peak}, measured {expected}");
         }
     }
 }

@@ -4,7 +4,7 @@
 //! still to go, the rate changes by no more than the acceleration limit allows, and the target angle integrates it.
 
 use crate::attitude::square_root::square_root_controller;
-use crate::elementary::{limit, wrap_pi};
+use crate::elementary::{larger, limit, wrap_pi};
 use crate::frames::EulerAngles;
 use crate::record::state_words::StateWords;
 
@@ -17,6 +17,17 @@ pub struct ShapingConfig {
     pub acceleration_max_rad_s2: f32,
     /// Largest rate of the target, rad/s.
     pub rate_max_rad_s: f32,
+}
+
+impl ShapingConfig {
+    /// No slower than another in anything.
+    pub fn at_least_as_fast(&self, other: &Self) -> Self {
+        Self {
+            gain_1_s: larger(self.gain_1_s, other.gain_1_s),
+            acceleration_max_rad_s2: larger(self.acceleration_max_rad_s2, other.acceleration_max_rad_s2),
+            rate_max_rad_s: larger(self.rate_max_rad_s, other.rate_max_rad_s),
+        }
+    }
 }
 
 /// The shaped reference of one axis.

@@ -1,5 +1,6 @@
 //! The gains: what does not depend on the vehicle's size, and the project's choice for a vehicle.
 
+use super::Controller;
 use super::error::{ConfigError, not_negative, positive};
 use crate::elementary::{larger, limit};
 use crate::mpc::schedule::LINEARISATIONS_MAX;
@@ -13,11 +14,14 @@ const TILT_MAX_RAD: f32 = 1.5;
 /// Delay of the gyro's low-pass, of second order (Butterworth), in periods of its cut-off: sqrt 2 / (2 pi).
 const GYRO_DELAY_PERIODS: f32 = 0.225;
 
-/// Weight of a squared change of the angular acceleration in the MPC's cost, 1/(rad/s^2)^2, beside 100/rad^2 on the
-/// angle.
-const MPC_ACCELERATION_WEIGHT: f32 = 2.5e-3;
+/// Step of the MPC's prediction for motors without lag, s.
+const MPC_STEP_S: f32 = 0.01;
 
-/// The same of the quick tuning, roll and pitch, and yaw, whose torque costs the motors most.
+/// Weight of a squared change of the angular acceleration in the MPC's cost, 1/(rad/s^2)^2, beside 100/rad^2 on the
+/// angle: roll and pitch, in steps of that length, and yaw, whose torque costs the motors most.
+const MPC_ACCELERATION_WEIGHT: [f32; 3] = [2.5e-3, 2.5e-3, 1.0];
+
+/// The same of the quick tuning.
 const QUICK_ACCELERATION_WEIGHT: [f32; 3] = [1.5e-4, 1.5e-4, 1.0];
 
 /// Gains that don't depend on the vehicle's size; arrays are roll, pitch, yaw.
@@ -105,6 +109,7 @@ impl Tuning {
         let angle = 1.0 / (1.0 / 8.0 + 0.8 * lag_s);
         // the derivative makes good most of the lag, and a little of the filters and the sampling
         let lead_s = 0.005 + 0.85 * lag_s;
+        let mpc_tilt_lead_s = 0.1 + 0.3 * lag_s;
         Tuning {
             shaping_gain_1_s: [0.87 * angle, 0.87 * angle, 0.5 * angle],
             acceleration_share: 0.6 / (1.0 + 9.0 * lag_s),
@@ -121,9 +126,9 @@ impl Tuning {
             mpc_tracking_weight: [100.0, 100.0, 100.0],
             mpc_increment_weight: [1.0, 1.0, 100.0],
             mpc_horizon: HORIZON,
-            mpc_prediction_step_s: 0.01,
+            mpc_prediction_step_s: MPC_STEP_S / (1.0 + 17.0 * lag_s),
             mpc_tilt_max_rad: None,
-            mpc_lead_s: [0.1 + lag_s; 3],
+            mpc_lead_s: [mpc_tilt_lead_s, mpc_tilt_lead_s, 0.1 + lag_s],
             mpc_reference: ReferenceAhead::Shaped,
             mpc_knows_actuation: true,
             mpc_disturbance_bandwidth_rad_s: 10.0 / (1.0 + 20.0 * lag_s),
@@ -140,14 +145,41 @@ impl Tuning {
         }
     }
 
-    /// The project's tuning for a vehicle: that for its motors' lag, with the MPC's increments weighed as changes of
-    /// the angular acceleration, whatever the inertia.
+    /// The project's tuning for a vehicle, behind the cascade's reference: that for its motors' lag, with the MPC's
+    /// increments weighed as changes of the angular acceleration, whatever the inertia.
     pub fn for_vehicle(vehicle: &VehicleParameters) -> Tuning {
-        let mut tuning = Tuning::for_motor_lag(vehicle.actuation.lag_s);
-        let of_acceleration = [MPC_ACCELERATION_WEIGHT, MPC_ACCELERATION_WEIGHT, 10.0 * MPC_ACCELERATION_WEIGHT];
-        let gains = mpc_input_gain(vehicle);
-        tuning.mpc_increment_weight = core::array::from_fn(|axis| of_acceleration[axis] * gains[axis] * gains[axis]);
-        tuning
+        let tuning = Tuning::for_motor_lag(vehicle.actuation.lag_s);
+        // nothing acts before the delay is over, and what is planned meanwhile takes phase
+        let mpc_prediction_step_s = limit(vehicle.actuation.delay_s, tuning.mpc_prediction_step_s, MPC_STEP_S);
+        let shorter = mpc_prediction_step_s / MPC_STEP_S;
+        let [roll, pitch, yaw] = MPC_ACCELERATION_WEIGHT;
+        let of_acceleration = [roll * shorter * shorter, pitch * shorter * shorter, yaw];
+        Tuning { mpc_increment_weight: increment_weight(of_acceleration, vehicle), mpc_prediction_step_s, ..tuning }
+    }
+
+    /// The project's tuning for a vehicle and what flies it; the MPC's may be [quick](Tuning::quick).
+    pub fn for_flight(vehicle: &VehicleParameters, controller: Controller, is_quick: bool) -> Tuning {
+        let usual = Tuning::for_vehicle(vehicle);
+        match controller {
+            Controller::Cascade => usual,
+            Controller::Mpc if is_quick => usual.quick(vehicle),
+            Controller::Mpc => usual.ahead(),
+        }
+    }
+
+    /// With the MPC's reference: it knows where the reference will be and what the motors have left, and may be asked
+    /// for more than the cascade, which would overshoot behind it. Its observer has alerts.
+    pub fn ahead(self) -> Tuning {
+        let [angle_roll_1_s, angle_pitch_1_s, _] = self.angle_gain_1_s;
+        let [_, _, shaping_yaw_1_s] = self.shaping_gain_1_s;
+        Tuning {
+            shaping_gain_1_s: [1.22 * angle_roll_1_s, 1.22 * angle_pitch_1_s, shaping_yaw_1_s],
+            acceleration_share: 1.25 * self.acceleration_share,
+            mpc_disturbance_bandwidth_rad_s: 6.0,
+            mpc_disturbance_alert: DisturbanceAlert::Significant,
+            mpc_gyro_delay_s: GYRO_DELAY_PERIODS / self.gyro_cutoff_hz,
+            ..self
+        }
     }
 
     /// With the MPC as the fronts have it on which it is weighed against the cascade (`docs/mpc-against-cascade.md`):
@@ -158,21 +190,16 @@ impl Tuning {
         let [_, _, shaping_yaw_1_s] = self.shaping_gain_1_s;
         let [_, _, lead_yaw_s] = self.mpc_lead_s;
         let tilt_lead_s = 0.1 + 0.2 * lag_s;
-        let gains = mpc_input_gain(vehicle);
         Tuning {
             // the raw step but for the acceleration, which the prediction knows
             shaping_gain_1_s: [60.0, 60.0, shaping_yaw_1_s],
             acceleration_share: 0.04 / larger(lag_s, 0.04 / 1.7),
             rate_max_rad_s: [8.0, 8.0, 2.0],
-            mpc_increment_weight: core::array::from_fn(|axis| {
-                QUICK_ACCELERATION_WEIGHT[axis] * gains[axis] * gains[axis]
-            }),
+            mpc_increment_weight: increment_weight(QUICK_ACCELERATION_WEIGHT, vehicle),
             mpc_lead_s: [tilt_lead_s, tilt_lead_s, lead_yaw_s],
             mpc_prediction_step_s: 0.0045,
-            mpc_disturbance_bandwidth_rad_s: 5.0,
-            mpc_disturbance_alert: DisturbanceAlert::Significant,
-            mpc_gyro_delay_s: GYRO_DELAY_PERIODS / self.gyro_cutoff_hz,
-            ..self
+            mpc_disturbance_bandwidth_rad_s: 6.0,
+            ..self.ahead()
         }
     }
 
@@ -221,6 +248,12 @@ impl Tuning {
     }
 }
 
+/// Weight of each input's increments that weighs changes of the angular acceleration like this, whatever the inertia.
+fn increment_weight(of_acceleration: [f32; 3], vehicle: &VehicleParameters) -> [f32; 3] {
+    let gains = mpc_input_gain(vehicle);
+    core::array::from_fn(|axis| of_acceleration[axis] * gains[axis] * gains[axis])
+}
+
 /// Torque of one unit of each input of the MPC (roll, pitch, yaw), N m: for roll and pitch that is a lift difference at
 /// the arm.
 pub(super) fn mpc_torque_per_input_nm(vehicle: &VehicleParameters) -> [f32; 3] {
@@ -245,8 +278,8 @@ mod tests {
     /// The numbers of `docs/tuning.md` for motors without lag and with one of 50 ms: by hand, to three digits.
     #[test]
     fn gains_follow_from_the_lag_as_the_page_says() {
-        for (lag_s, rate, angle, lead_s, share, observer) in
-            [(0.0, 30.0, 8.0, 0.005, 0.6, 10.0), (0.05, 20.69, 6.061, 0.0475, 0.4138, 5.0)]
+        for (lag_s, rate, angle, lead_s, share, observer, step_s) in
+            [(0.0, 30.0, 8.0, 0.005, 0.6, 10.0, 0.01), (0.05, 20.69, 6.061, 0.0475, 0.4138, 5.0, 0.005405)]
         {
             let tuning = Tuning::for_motor_lag(lag_s);
             assert!(is(tuning.rate_proportional_1_s, [rate, rate, 0.4 * rate]), "{tuning:?}");
@@ -254,8 +287,12 @@ mod tests {
             assert!(is(tuning.angle_gain_1_s, [angle, angle, 0.5 * angle]), "{tuning:?}");
             assert!(is(tuning.shaping_gain_1_s, [0.87 * angle, 0.87 * angle, 0.5 * angle]), "{tuning:?}");
             assert!(is([tuning.acceleration_share; 3], [share; 3]), "{tuning:?}");
-            assert!(is(tuning.mpc_lead_s, [0.1 + lag_s; 3]), "{tuning:?}");
+            assert!(is(tuning.mpc_lead_s, [0.1 + 0.3 * lag_s, 0.1 + 0.3 * lag_s, 0.1 + lag_s]), "{tuning:?}");
+            assert!(is([tuning.mpc_prediction_step_s; 3], [step_s; 3]), "{tuning:?}");
             assert!(is([tuning.mpc_disturbance_bandwidth_rad_s; 3], [observer; 3]), "{tuning:?}");
+            let ahead = tuning.ahead();
+            assert!(is(ahead.shaping_gain_1_s, [1.22 * angle, 1.22 * angle, 0.5 * angle]), "{ahead:?}");
+            assert!(is([ahead.acceleration_share; 3], [1.25 * share; 3]), "{ahead:?}");
         }
     }
 
@@ -302,8 +339,20 @@ mod tests {
         assert!((usual.quick(&swift).acceleration_share - 1.7).abs() < 1e-5);
     }
 
+    /// The cascade's reference is its own; the MPC's has alerts, and is asked for more.
+    #[test]
+    fn what_flies_decides_the_reference() {
+        let vehicle = VehicleParameters::F450_FREE;
+        let of = |controller, is_quick| Tuning::for_flight(&vehicle, controller, is_quick);
+        let usual = Tuning::for_vehicle(&vehicle);
+        assert_eq!([of(Controller::Cascade, false), of(Controller::Cascade, true)], [usual; 2]);
+        assert_eq!([of(Controller::Mpc, false), of(Controller::Mpc, true)], [usual.ahead(), usual.quick(&vehicle)]);
+        assert_eq!(usual.mpc_disturbance_alert, DisturbanceAlert::Never);
+        assert_eq!(usual.ahead().mpc_disturbance_alert, DisturbanceAlert::Significant);
+    }
+
     /// Vehicles that differ in nothing but their inertia weigh a change of the angular acceleration alike: 0.0025 per
-    /// (rad/s^2)^2 (`docs/tuning.md`), ten times that about the vertical.
+    /// (rad/s^2)^2 in steps of 10 ms (`docs/tuning.md`), and 1 about the vertical.
     #[test]
     fn the_increments_weight_is_one_of_the_acceleration() {
         for scale in [1.0, 3.0] {
@@ -314,7 +363,8 @@ mod tests {
             let [roll, pitch, yaw] = vehicle.inertia_kg_m2;
             let accelerations = [vehicle.arm_m / roll, vehicle.arm_m / pitch, 1.0 / yaw];
             let weights = core::array::from_fn(|axis| tuning.mpc_increment_weight[axis] / accelerations[axis].powi(2));
-            assert!(is(weights, [0.0025, 0.0025, 0.025]), "{weights:?}");
+            let tilt = 0.0025 * (tuning.mpc_prediction_step_s / 0.01).powi(2);
+            assert!(is(weights, [tilt, tilt, 1.0]), "{weights:?}");
         }
     }
 }

@@ -18,18 +18,24 @@ pub struct Proposal {
 }
 
 impl Proposal {
-    /// For a model, by the tuning that goes with its vehicle. None of numbers that no controller can be made for: they
-    /// are no vehicle's.
+    /// For a model, by the tuning that goes with its vehicle, behind a reference at least as fast as the first one: a
+    /// slower one costs more against a step than the wrong model does. None of numbers that no controller can be made
+    /// for: they are no vehicle's.
     pub fn new(
         model: &LearntModel,
         first: &VehicleParameters,
-        tuning_of: impl FnOnce(&VehicleParameters) -> Tuning,
+        tuning_of: impl Fn(&VehicleParameters) -> Tuning,
         loop_rate_hz: f32,
     ) -> Option<Self> {
         let vehicle = model.of(first);
         let tuning = tuning_of(&vehicle);
         // what senses stays as it is, whatever the IMU's rate
-        let made = Config::new(&vehicle, &tuning, loop_rate_hz, loop_rate_hz, Controller::Mpc).ok()?;
+        let config = |of: &_, tuning: &_| Config::new(of, tuning, loop_rate_hz, loop_rate_hz, Controller::Mpc).ok();
+        let mut made = config(&vehicle, &tuning)?;
+        let asked = config(first, &tuning_of(first))?.angle.shaping;
+        for (shaping, asked) in made.angle.shaping.iter_mut().zip(asked) {
+            *shaping = shaping.at_least_as_fast(&asked);
+        }
         Some(Self { model: *model, vehicle, tuning, made })
     }
 

@@ -63,18 +63,18 @@ fn several_controllers_fly_in_one_report_each_by_its_name() {
     folder.sil(&["fly", "--controller", "pid", "--controller", "both"]).assert_refused(&["pid was given before"]);
 }
 
-/// What a reader must know first stands in the headline: at 50 Hz the MPC without constraints is unstable.
+/// What a reader must know first stands in the headline: at 50 Hz the quick MPC without constraints is unstable.
 #[test]
 fn an_unstable_flight_is_the_reports_headline() {
     let folder = Folder::new();
     let headline = |extra: &[&str]| {
-        folder.sil(&[&["fly", "--controller", "mpc", "--report", "out.html"], extra].concat()).assert_done();
+        folder.sil(&[&["fly", "--report", "out.html"], extra].concat()).assert_done();
         let page = String::from_utf8(folder.bytes("out.html")).unwrap();
         let (_, rest) = page.split_once("<h1>").unwrap();
         rest.split_once("</h1>").unwrap().0.to_owned()
     };
-    assert_eq!(headline(&["--rate", "50"]), "Unstable under MPC");
-    assert!(headline(&[]).starts_with("MPC settles in "));
+    assert_eq!(headline(&["--controller", "mpc-quick", "--rate", "50"]), "Unstable under MPC");
+    assert!(headline(&["--controller", "mpc"]).starts_with("MPC settles in "));
 }
 
 /// The report names the command that repeats its run.

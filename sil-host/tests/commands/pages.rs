@@ -149,16 +149,22 @@ fn pages_list_every_key_of_a_tuning() {
         }
     }
     let model = VehicleModel::nominal(Rig::Gimbal);
-    let tuning = format!("{:?}", Tuning::for_vehicle(&vehicle_parameters(&model)));
-    let rows = keys.into_iter().map(|[name, kind, meaning]| {
-        let (_, rest) = tuning.split_once(&format!("{}: ", name.trim_matches('`'))).unwrap();
+    let tunings = [Controller::Cascade, Controller::Mpc]
+        .map(|controller| format!("{:?}", Tuning::for_flight(&vehicle_parameters(&model), controller, false)));
+    let value_in = |tuning: &str, name: &str| {
+        let (_, rest) = tuning.split_once(&format!("{name}: ")).unwrap();
         let end = if rest.starts_with('[') { "]" } else { "," };
         let value = rest.split(end).next().unwrap().trim_matches(['[', ' ', '}']);
         let short = |number: &str| match number.parse::<f32>() {
             Ok(number) => format!("{}", format!("{number:.3e}").parse::<f32>().unwrap()),
             Err(_) => number.to_lowercase(),
         };
-        vec![name, kind, value.split(", ").map(short).collect::<Vec<_>>().join(", "), meaning]
+        value.split(", ").map(short).collect::<Vec<_>>().join(", ")
+    };
+    let rows = keys.into_iter().map(|[name, kind, meaning]| {
+        let [pid, mpc] = tunings.each_ref().map(|tuning| value_in(tuning, name.trim_matches('`')));
+        let value = if pid == mpc { pid } else { format!("{pid}; under the MPC {mpc}") };
+        vec![name, kind, value, meaning]
     });
     assert_generated("commands.md", "tuning keys", &table(&["key", "type", "default", "meaning"], rows));
 }

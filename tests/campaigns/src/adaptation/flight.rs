@@ -27,10 +27,6 @@ const KNOWN_LAG_S: f64 = 0.03;
 const LATE_S: f64 = 5.0;
 /// Time constant of the F450's motors in free flight, s: what the core takes from the model.
 const FREE_LAG_S: f64 = 0.0528285;
-/// What follows from the vehicle, with alerts; the gyro's delay is counted, as on the board.
-const SHIPPED: &str = "controller = \"mpc\"\n[tuning]\nmpc_disturbance_alert = \"significant\"\n\
-                       mpc_gyro_delay_s = 0.00225\n";
-
 /// Whose gains fly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Tuned {
@@ -54,7 +50,7 @@ impl Tuned {
 
     fn choice(self, learning: bool) -> ControllerChoice {
         let text = match self {
-            Self::Shipped => SHIPPED,
+            Self::Shipped => "controller = \"mpc\"\n",
             Self::Compared => MPC_FOR_RMS_FILE,
             Self::Quick => "controller = \"mpc\"\nquick = true\n",
         };

@@ -1,7 +1,7 @@
 //! Who takes part: the controllers that were tuned, as their files are kept, and what is left of the MPC without one of
 //! its parts.
 
-use sil_host::controller_file::ReferenceName;
+use sil_host::controller_file::{AlertName, ReferenceName};
 use sil_host::model::Rig;
 
 use super::contender::{Contender, StandIn};
@@ -124,7 +124,7 @@ pub fn indi(shaping: &Shaping) -> Tunable<5> {
         stand_in: Some(StandIn::Indi),
         rig: Rig::Gimbal,
         fixed: format!(
-            "controller = \"mpc\"\n[tuning]\n{}mpc_reference = \"held\"\nmpc_disturbance_bandwidth_rad_s = 0.0\n",
+            "controller = \"mpc\"\n[tuning]\n{}mpc_reference = \"held\"\nmpc_disturbance_bandwidth_rad_s = 0.0\nmpc_gyro_delay_s = 0.0\n",
             shaping.lines()
         ),
         parameters: [
@@ -156,11 +156,9 @@ pub fn tuned_for_rms() -> [Contender; 2] {
 const LAG_RATIO: f32 = 0.032 / 0.053;
 
 /// In free flight: the two as chosen from their fronts there; the MPC's quick tuning; both as they follow from the
-/// vehicle, the MPC with alerts and, as where nobody chooses them, without; and the INDI, for which nothing follows:
-/// its tuned gains, slower by as much as the motors are.
+/// vehicle; and the INDI, for which nothing follows: its tuned gains, slower by as much as the motors are.
 pub fn in_free_flight() -> Vec<Contender> {
     let of = |name, text| Contender { rig: Rig::Free, ..Contender::new(name, text) };
-    let alert = "controller = \"mpc\"\n[tuning]\nmpc_disturbance_alert = \"significant\"\nmpc_gyro_delay_s = 0.00225\n";
     let mut indi = Contender { rig: Rig::Free, ..tuned_indi() };
     let tuning = &mut indi.choice.tuning;
     for gains in [&mut tuning.angle_gain_1_s, &mut tuning.rate_proportional_1_s].into_iter().flatten() {
@@ -170,7 +168,6 @@ pub fn in_free_flight() -> Vec<Contender> {
         of("MPC", MPC_FREE_FILE),
         of("cascade", CASCADE_FREE_FILE),
         of("MPC, quick", "controller = \"mpc\"\nquick = true\n"),
-        of("MPC as it follows, alerts", alert),
         of("MPC as it follows", "controller = \"mpc\"\n"),
         of("cascade as it follows", "controller = \"pid\"\n"),
         indi,
@@ -187,8 +184,8 @@ pub fn all() -> Vec<Contender> {
     };
     let variants = [
         changed("MPC, one bandwidth", |c| {
-            c.choice.tuning.mpc_disturbance_alert = None;
-            c.choice.tuning.mpc_gyro_delay_s = None;
+            c.choice.tuning.mpc_disturbance_alert = Some(AlertName::Never);
+            c.choice.tuning.mpc_gyro_delay_s = Some(0.0);
             c.choice.tuning.mpc_disturbance_bandwidth_rad_s = Some(ONE_BANDWIDTH_RAD_S);
         }),
         changed("MPC without preview", |c| c.choice.tuning.mpc_reference = Some(ReferenceName::Held)),

@@ -14,9 +14,6 @@ use crate::comparison::tuning::{Form, Parameter, Tunable, rounded};
 
 const CASCADE_IN_FREE_FLIGHT: [f64; 8] = [11.46, 3.5, 26.26, 34.58, 38.36, 1.762, 30.44, 0.2244];
 const MPC_IN_FREE_FLIGHT: [f64; 6] = [69.32, 0.6391, 0.04879, 0.1098, 0.003432, 4.0];
-/// Weight of yaw's increments in free flight, 40 times of what ships, with which most of the motors' noise is yaw's: a
-/// torque of 0.01 N m about yaw turns it 0.12 degrees with it and 0.09 without, under the cascade 0.89.
-const YAW_INCREMENT_WEIGHT: f64 = 2500.0;
 
 fn shaping() -> [Parameter; 2] {
     [
@@ -63,15 +60,11 @@ pub fn mpc(rig: Rig) -> Tunable<6> {
     }
 }
 
-/// From other starts; roll and pitch alike, and yaw, which no rig locks there, as it follows from the vehicle, but for
-/// the weight of its increments.
+/// From other starts; roll and pitch alike, and yaw, which no rig locks there, as it follows from the vehicle.
 fn in_free_flight<const N: usize>(on_gimbal: Tunable<N>, starts: [f64; N]) -> Tunable<N> {
     let shipped = Tuning::for_vehicle(&vehicle_parameters(&VehicleModel::nominal(Rig::Free)));
     let shipped = serde_json::to_value(TuningChange::all_of(&shipped)).unwrap_or_default();
-    let yaw_of = |field: &str| match field {
-        "mpc_increment_weight" => Some(YAW_INCREMENT_WEIGHT),
-        _ => shipped.get(field)?.get(2)?.as_f64().map(rounded),
-    };
+    let yaw_of = |field: &str| shipped.get(field)?.get(2)?.as_f64().map(rounded);
     let mut start = starts.into_iter();
     let parameters = on_gimbal.parameters.map(|parameter| {
         let form = match parameter.form {
@@ -87,7 +80,7 @@ fn in_free_flight<const N: usize>(on_gimbal: Tunable<N>, starts: [f64; N]) -> Tu
 mod tests {
     use super::*;
 
-    /// Both can be flown from where they begin, and yaw is what ships, but for the weight of its increments.
+    /// Both can be flown from where they begin, and yaw is what ships.
     #[test]
     fn in_free_flight_yaw_is_as_it_ships() {
         let shipped = Tuning::for_vehicle(&vehicle_parameters(&VehicleModel::nominal(Rig::Free)));
@@ -95,7 +88,7 @@ mod tests {
         let [mpc, cascade] = [mpc.contender(&mpc.start()), cascade.contender(&cascade.start())];
         assert!(mpc.can_fly() && cascade.can_fly());
         let weight = mpc.choice.tuning.mpc_increment_weight.unwrap();
-        assert!(weight[0] == weight[1] && (weight[2] / shipped.mpc_increment_weight[2] - 40.0).abs() < 1.0);
+        assert!(weight[0] == weight[1] && (weight[2] / shipped.mpc_increment_weight[2] - 1.0).abs() < 1e-3);
         let angle = cascade.choice.tuning.angle_gain_1_s.unwrap();
         assert!(angle[0] == 26.26 && angle[1] == 26.26 && (angle[2] / shipped.angle_gain_1_s[2] - 1.0).abs() < 1e-3);
     }
