@@ -198,7 +198,7 @@ impl Tuning {
             mpc_increment_weight: increment_weight(QUICK_ACCELERATION_WEIGHT, vehicle),
             mpc_lead_s: [tilt_lead_s, tilt_lead_s, lead_yaw_s],
             mpc_prediction_step_s: 0.0045,
-            mpc_disturbance_bandwidth_rad_s: 6.0,
+            mpc_disturbance_bandwidth_rad_s: 5.0,
             ..self.ahead()
         }
     }
@@ -331,6 +331,10 @@ mod tests {
         assert!((quick.acceleration_share * lag_s - 0.04).abs() < 1e-6 && lag_s > 0.05, "{quick:?}");
         assert!(is(quick.mpc_increment_weight, [0.0578, 0.0578, 2500.0]), "{quick:?}");
         assert!((quick.mpc_gyro_delay_s - 0.00225).abs() < 1e-6);
+        assert!(is(
+            [quick.mpc_disturbance_bandwidth_rad_s, usual.ahead().mpc_disturbance_bandwidth_rad_s, 1.0],
+            [5.0, 6.0, 1.0]
+        ));
         assert_eq!((quick.shaping_gain_1_s[2], quick.mpc_lead_s[2]), (usual.shaping_gain_1_s[2], usual.mpc_lead_s[2]));
         assert_eq!((quick.mpc_linearisations, quick.mpc_motor_limits), (3, true));
         assert_eq!(quick.angle_gain_1_s, usual.angle_gain_1_s);

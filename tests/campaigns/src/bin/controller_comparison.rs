@@ -1,9 +1,10 @@
 //! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune |
-//! front [free] | chosen [DRAWS] | free [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at several shapings, `tune`
-//! writes the controller files of those tuned for RMS, `front` makes the Pareto study, on the gimbal or in free flight,
-//! and writes the files of its balanced points, all under tests/campaigns/comparison; `chosen` flies those of the
-//! gimbal over so many draws (200), `free` those of free flight and what follows from the vehicle; otherwise all that
-//! were tuned for RMS and parts of them are flown. Rows of the last four as JSON.
+//! front [free] | chosen [DRAWS] | free [DRAWS] | shipped [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at several
+//! shapings, `tune` writes the controller files of those tuned for RMS, `front` makes the Pareto study, on the gimbal or
+//! in free flight, and writes the files of its balanced points, all under tests/campaigns/comparison; `chosen` flies
+//! those of the gimbal over so many draws (200), `free` those of free flight and what follows from the vehicle,
+//! `shipped` the latter on both rigs; otherwise all that were tuned for RMS and parts of them are flown. Rows of the
+//! last five as JSON.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -34,14 +35,16 @@ fn main() -> ExitCode {
         ["chosen", count] => draws(count).map(|count| show(&campaign::chosen(count), file)),
         ["free"] => Some(show(&campaign::in_free_flight(campaign::DRAWS), file)),
         ["free", count] => draws(count).map(|count| show(&campaign::in_free_flight(count), file)),
+        ["shipped"] => Some(shipped(campaign::DRAWS, file)),
+        ["shipped", count] => draws(count).map(|count| shipped(count, file)),
         [] => Some(all(campaign::DRAWS, file)),
         [count] => draws(count).map(|count| all(count, file)),
         _ => None,
     };
     ended.unwrap_or_else(|| {
         eprintln!(
-            "usage: controller_comparison [scan | tune | front [free] | chosen [DRAWS] | free [DRAWS] | DRAWS] \
-             [--json FILE]"
+            "usage: controller_comparison [scan | tune | front [free] | chosen [DRAWS] | free [DRAWS] | shipped [DRAWS] \
+             | DRAWS] [--json FILE]"
         );
         ExitCode::from(2)
     })
@@ -55,6 +58,12 @@ fn all(count: u64, file: Option<&str>) -> ExitCode {
     let results = campaign::results(count);
     print!("{}", campaign::report(&results));
     write_rows(file, &results)
+}
+
+fn shipped(count: u64, file: Option<&str>) -> ExitCode {
+    let both = campaign::shipped(count);
+    print!("{}", both.each_ref().map(campaign::shown_report).join("\n"));
+    write_rows(file, &both)
 }
 
 fn show(shown: &campaign::Shown, file: Option<&str>) -> ExitCode {

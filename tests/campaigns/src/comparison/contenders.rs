@@ -164,14 +164,21 @@ pub fn in_free_flight() -> Vec<Contender> {
     for gains in [&mut tuning.angle_gain_1_s, &mut tuning.rate_proportional_1_s].into_iter().flatten() {
         *gains = gains.map(|gain_1_s| LAG_RATIO * gain_1_s);
     }
+    let [mpc, cascade] = shipped(Rig::Free);
     vec![
         of("MPC", MPC_FREE_FILE),
         of("cascade", CASCADE_FREE_FILE),
         of("MPC, quick", "controller = \"mpc\"\nquick = true\n"),
-        of("MPC as it follows", "controller = \"mpc\"\n"),
-        of("cascade as it follows", "controller = \"pid\"\n"),
+        mpc,
+        cascade,
         indi,
     ]
+}
+
+/// The two as they follow from the vehicle.
+pub fn shipped(rig: Rig) -> [Contender; 2] {
+    [("MPC as it follows", "controller = \"mpc\"\n"), ("cascade as it follows", "controller = \"pid\"\n")]
+        .map(|(name, text)| Contender { rig, ..Contender::new(name, text) })
 }
 
 /// Those of the campaign that says what each part of the MPC is worth: all tuned for RMS, the MPC first.
