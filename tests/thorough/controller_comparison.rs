@@ -43,9 +43,9 @@ fn in_free_flight_the_chosen_mpc_is_better_in_four_columns() {
     assert!(quick.peak_deg < usual.peak_deg / 3.0, "{quick:?} {usual:?}");
 }
 
-/// Where nobody chooses anything the MPC is better than the cascade in RMS, overshoot, settling, after a torque step and
-/// in noise, over still air, torque steps and gusts, on both rigs; the cascade keeps more delay margin, of which the MPC
-/// has twice what it needs.
+/// Where nobody chooses anything the MPC is better than the cascade in RMS, overshoot, settling, after a torque step
+/// and in noise, over still air, torque steps and gusts, on both rigs; the cascade keeps more delay margin, of which
+/// the MPC has twice what it needs.
 #[test]
 fn the_mpc_that_ships_is_better_than_the_cascade_that_ships() {
     let draws = campaign::draws(campaign::DRAWS / 20);

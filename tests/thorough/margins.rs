@@ -57,8 +57,9 @@ fn the_mpc_has_margins_in_free_flight() {
     }
 }
 
-/// Both tunings of the MPC keep the limits of the fronts on motors that nobody has chosen them for, from the thesis' own
-/// to such as are half as slow again as the F450's, where the model is right; with ten free inputs, the least margins.
+/// Both tunings of the MPC keep the limits of the fronts on motors that nobody has chosen them for, from the thesis'
+/// own to such as are half as slow again as the F450's, where the model is right; with ten free inputs, the least
+/// margins.
 #[test]
 fn the_mpc_has_margins_whatever_the_motors() {
     for (name, delay_ms) in [("mpc", 15.0), ("mpc-quick", 10.0)] {

@@ -1,7 +1,7 @@
 //! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune |
-//! front [free] | chosen [DRAWS] | free [DRAWS] | shipped [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at several
-//! shapings, `tune` writes the controller files of those tuned for RMS, `front` makes the Pareto study, on the gimbal or
-//! in free flight, and writes the files of its balanced points, all under tests/campaigns/comparison; `chosen` flies
+//! front [free] | chosen [DRAWS] | free [DRAWS] | shipped [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at some
+//! shapings, `tune` writes the controller files of those tuned for RMS, `front` makes the Pareto study, on the gimbal
+//! or in free flight, and writes the files of its balanced points, all under tests/campaigns/comparison; `chosen` flies
 //! those of the gimbal over so many draws (200), `free` those of free flight and what follows from the vehicle,
 //! `shipped` the latter on both rigs; otherwise all that were tuned for RMS and parts of them are flown. Rows of the
 //! last five as JSON.
@@ -43,8 +43,8 @@ fn main() -> ExitCode {
     };
     ended.unwrap_or_else(|| {
         eprintln!(
-            "usage: controller_comparison [scan | tune | front [free] | chosen [DRAWS] | free [DRAWS] | shipped [DRAWS] \
-             | DRAWS] [--json FILE]"
+            "usage: controller_comparison [scan | tune | front [free] | chosen [DRAWS] | free [DRAWS] | \
+             shipped [DRAWS] | DRAWS] [--json FILE]"
         );
         ExitCode::from(2)
     })

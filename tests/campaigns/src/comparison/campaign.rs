@@ -128,8 +128,8 @@ pub fn in_free_flight(count: u64) -> Shown {
     show("In free flight", &contenders::in_free_flight(), count, &[Weather::TorqueSteps, Weather::Gusts])
 }
 
-/// What ships, where nobody chooses anything: the two as they follow from the vehicle, on the gimbal and in free flight,
-/// over the first `count` draws.
+/// What ships, where nobody chooses anything: the two as they follow from the vehicle, on the gimbal and in free
+/// flight, over the first `count` draws.
 pub fn shipped(count: u64) -> [Shown; 2] {
     [("What ships, on the gimbal", Rig::Gimbal), ("What ships, in free flight", Rig::Free)]
         .map(|(title, rig)| show(title, &contenders::shipped(rig), count, &[Weather::TorqueSteps, Weather::Gusts]))

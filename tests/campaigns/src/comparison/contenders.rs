@@ -124,7 +124,8 @@ pub fn indi(shaping: &Shaping) -> Tunable<5> {
         stand_in: Some(StandIn::Indi),
         rig: Rig::Gimbal,
         fixed: format!(
-            "controller = \"mpc\"\n[tuning]\n{}mpc_reference = \"held\"\nmpc_disturbance_bandwidth_rad_s = 0.0\nmpc_gyro_delay_s = 0.0\n",
+            "controller = \"mpc\"\n[tuning]\n{}mpc_reference = \"held\"\n\
+             mpc_disturbance_bandwidth_rad_s = 0.0\nmpc_gyro_delay_s = 0.0\n",
             shaping.lines()
         ),
         parameters: [
