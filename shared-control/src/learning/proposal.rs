@@ -18,9 +18,9 @@ pub struct Proposal {
 }
 
 impl Proposal {
-    /// For a model, by the tuning that goes with its vehicle, behind a reference at least as fast as the first one: a
-    /// slower one costs more against a step than the wrong model does. None of numbers that no controller can be made
-    /// for: they are no vehicle's.
+    /// For a model, by the tuning that goes with its vehicle. Its reference is no slower than the first one, which costs
+    /// more against a step than the wrong model does, unless that is more than the quick MPC would be asked for with
+    /// such motors. None of numbers that no controller can be made for: they are no vehicle's.
     pub fn new(
         model: &LearntModel,
         first: &VehicleParameters,
@@ -33,8 +33,9 @@ impl Proposal {
         let config = |of: &_, tuning: &_| Config::new(of, tuning, loop_rate_hz, loop_rate_hz, Controller::Mpc).ok();
         let mut made = config(&vehicle, &tuning)?;
         let asked = config(first, &tuning_of(first))?.angle.shaping;
-        for (shaping, asked) in made.angle.shaping.iter_mut().zip(asked) {
-            *shaping = shaping.at_least_as_fast(&asked);
+        let most = config(&vehicle, &tuning.quick(&vehicle))?.angle.shaping;
+        for ((shaping, asked), most) in made.angle.shaping.iter_mut().zip(asked).zip(most) {
+            *shaping = shaping.faster(&asked.slower(&most));
         }
         Some(Self { model: *model, vehicle, tuning, made })
     }

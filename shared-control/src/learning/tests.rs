@@ -3,10 +3,11 @@ extern crate std;
 use super::adoption::{Candidate, LearntModel, prove};
 use super::confidence::Range;
 use super::confidence::{AXES, Learnt};
+use super::proposal::Proposal;
 use super::rehearsal::{AxisBody, AxisController, rehearse};
 use super::*;
 use crate::airframe::TORQUE_SIGNS;
-use crate::config::{Tuning, mpc_settings};
+use crate::config::{Controller, Tuning, mpc_settings};
 use crate::elementary::larger;
 use crate::lift_curve::LIFT_INTERVALS;
 use crate::mpc::Mpc;
@@ -244,6 +245,28 @@ fn a_controller_flies_only_if_its_rehearsal_holds() {
     assert_eq!(proven(0.075, 1.0), Ok(()));
     // lift that is not there has the loop too slow, which is safe; a gain of a fifth makes it five times too strong
     assert!(proven(0.01, 0.2).is_err(), "{:?}", proven(0.01, 0.2));
+}
+
+/// What is learnt of slow motors makes the reference no slower than it was, which would cost more against a step than
+/// the wrong model does; of quick ones, faster. The quick MPC's follows its motors, at whose limit it is.
+#[test]
+fn what_is_learnt_never_slows_the_reference_down_but_the_quick_mpcs() {
+    let first = VehicleParameters::F450_FREE;
+    let shaping = |model: &LearntModel, is_quick: bool| {
+        let tuning_of = |vehicle: &VehicleParameters| Tuning::for_flight(vehicle, Controller::Mpc, is_quick);
+        Proposal::new(model, &first, tuning_of, 400.0).unwrap().taught(1).angle.shaping
+    };
+    let of = |lag_s: f32, is_quick: bool| shaping(&LearntModel { gain: [0.9, 1.1], lag_s }, is_quick);
+    let usual = shaping(&LearntModel::first(&first), false);
+    for axis in 0..2 {
+        let [slow, quick] = [of(0.06, false)[axis], of(0.02, false)[axis]];
+        assert_eq!(slow.gain_1_s, usual[axis].gain_1_s);
+        assert!(slow.acceleration_max_rad_s2 >= usual[axis].acceleration_max_rad_s2, "{slow:?}");
+        assert!(quick.gain_1_s > usual[axis].gain_1_s, "{quick:?}");
+        let [slow, quick] = [of(0.08, true)[axis], of(0.03, true)[axis]];
+        let ratio = slow.acceleration_max_rad_s2 / quick.acceleration_max_rad_s2;
+        assert!((ratio - 0.03 / 0.08).abs() < 1e-4, "0.04 s over the lag: {ratio}");
+    }
 }
 
 /// A loop's sensitivity where it is known in closed form: without feedback it is 1 at every frequency, and a push is
