@@ -4,7 +4,7 @@
 //! still to go, the rate changes by no more than the acceleration limit allows, and the target angle integrates it.
 
 use crate::attitude::square_root::square_root_controller;
-use crate::elementary::{larger, limit, smaller, wrap_pi};
+use crate::elementary::{larger, limit, wrap_pi};
 use crate::frames::EulerAngles;
 use crate::record::state_words::StateWords;
 
@@ -20,21 +20,12 @@ pub struct ShapingConfig {
 }
 
 impl ShapingConfig {
-    /// The faster of two in each.
-    pub fn faster(&self, other: &Self) -> Self {
-        self.each(other, larger)
-    }
-
-    /// The slower of two in each.
-    pub fn slower(&self, other: &Self) -> Self {
-        self.each(other, smaller)
-    }
-
-    fn each(&self, other: &Self, of: fn(f32, f32) -> f32) -> Self {
+    /// No slower than another in anything.
+    pub fn at_least_as_fast(&self, other: &Self) -> Self {
         Self {
-            gain_1_s: of(self.gain_1_s, other.gain_1_s),
-            acceleration_max_rad_s2: of(self.acceleration_max_rad_s2, other.acceleration_max_rad_s2),
-            rate_max_rad_s: of(self.rate_max_rad_s, other.rate_max_rad_s),
+            gain_1_s: larger(self.gain_1_s, other.gain_1_s),
+            acceleration_max_rad_s2: larger(self.acceleration_max_rad_s2, other.acceleration_max_rad_s2),
+            rate_max_rad_s: larger(self.rate_max_rad_s, other.rate_max_rad_s),
         }
     }
 }

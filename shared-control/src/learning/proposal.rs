@@ -18,9 +18,10 @@ pub struct Proposal {
 }
 
 impl Proposal {
-    /// For a model, by the tuning that goes with its vehicle. Its reference is no slower than the first one, which costs
-    /// more against a step than the wrong model does, unless that is more than the quick MPC would be asked for with
-    /// such motors. None of numbers that no controller can be made for: they are no vehicle's.
+    /// For a model, by the tuning that goes with its vehicle. Where that has the reference close in as the motors let
+    /// it, it is no slower than the first one: a slower one costs more against a step than the wrong model does. Where
+    /// it does not, as with the quick MPC, all that the motors have is asked for, and that follows them. None of
+    /// numbers that no controller can be made for: they are no vehicle's.
     pub fn new(
         model: &LearntModel,
         first: &VehicleParameters,
@@ -33,9 +34,10 @@ impl Proposal {
         let config = |of: &_, tuning: &_| Config::new(of, tuning, loop_rate_hz, loop_rate_hz, Controller::Mpc).ok();
         let mut made = config(&vehicle, &tuning)?;
         let asked = config(first, &tuning_of(first))?.angle.shaping;
-        let most = config(&vehicle, &tuning.quick(&vehicle))?.angle.shaping;
-        for ((shaping, asked), most) in made.angle.shaping.iter_mut().zip(asked).zip(most) {
-            *shaping = shaping.faster(&asked.slower(&most));
+        for (shaping, asked) in made.angle.shaping.iter_mut().zip(asked) {
+            if shaping.gain_1_s != asked.gain_1_s {
+                *shaping = shaping.at_least_as_fast(&asked);
+            }
         }
         Some(Self { model: *model, vehicle, tuning, made })
     }

@@ -258,11 +258,11 @@ fn what_is_learnt_never_slows_the_reference_down_but_the_quick_mpcs() {
     };
     let of = |lag_s: f32, is_quick: bool| shaping(&LearntModel { gain: [0.9, 1.1], lag_s }, is_quick);
     let usual = shaping(&LearntModel::first(&first), false);
-    for axis in 0..2 {
+    for (axis, usual) in usual.iter().enumerate().take(AXES) {
         let [slow, quick] = [of(0.06, false)[axis], of(0.02, false)[axis]];
-        assert_eq!(slow.gain_1_s, usual[axis].gain_1_s);
-        assert!(slow.acceleration_max_rad_s2 >= usual[axis].acceleration_max_rad_s2, "{slow:?}");
-        assert!(quick.gain_1_s > usual[axis].gain_1_s, "{quick:?}");
+        assert_eq!(slow.gain_1_s, usual.gain_1_s);
+        assert!(slow.acceleration_max_rad_s2 >= usual.acceleration_max_rad_s2, "{slow:?}");
+        assert!(quick.gain_1_s > usual.gain_1_s, "{quick:?}");
         let [slow, quick] = [of(0.08, true)[axis], of(0.03, true)[axis]];
         let ratio = slow.acceleration_max_rad_s2 / quick.acceleration_max_rad_s2;
         assert!((ratio - 0.03 / 0.08).abs() < 1e-4, "0.04 s over the lag: {ratio}");
