@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use rayon::prelude::*;
-use shared_control::config::Tuning;
+use shared_control::config::{Controller, Tuning};
 use shared_control::mpc::MpcSettings;
 use sil_host::control_setup::{mpc_settings, vehicle_parameters};
 use sil_host::effects::Effect;
@@ -166,7 +166,7 @@ pub fn flying_settings(additional_lag_s: f64) -> MpcSettings {
         let lag = Effect::parse(&format!("motor_lag:time_constant_s={additional_lag_s}"), Rig::Gimbal);
         model.effects = vec![lag.expect("an effect")];
     }
-    mpc_settings(&model, &Tuning::for_vehicle(&vehicle_parameters(&model)), 400)
+    mpc_settings(&model, &Tuning::for_flight(&vehicle_parameters(&model), Controller::Mpc, false), 400)
 }
 
 /// The problem that flies, with M inputs, over all requests.
