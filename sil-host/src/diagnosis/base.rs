@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::estimate::Estimate;
 use super::fitted::{Fitted, LAG_AND_DELAY_S, per_unit_inertia};
 use super::found::Found;
+use super::judge;
 use super::kinematics::Kinematics;
 use super::lateness::count_lateness;
 use super::noise::noise_beyond_sensors;
@@ -138,6 +139,20 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candida
         }
     }
     best.unwrap_or_else(|| search.nominal())
+}
+
+/// What a search beside a base model begins with.
+pub(super) struct Based<'e> {
+    /// What is ordinary of what a log is about.
+    pub(super) ordinary: &'e [Fitted],
+    /// What can be found beside a base model.
+    pub(super) beside: &'e dyn Fn(&Fit<'_>) -> Vec<Fitted>,
+}
+
+/// The base model of a log in the noise of a search, without what makes its predictions worse.
+pub(super) fn modelled<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Fit<'e> {
+    let base = fitted(search, ordinary).fit;
+    judge::useful(search, search.refitted(base.terms, &base.starts))
 }
 
 /// Does a command turn an axis the other way than a regression of accelerations has it? Under control a command is what

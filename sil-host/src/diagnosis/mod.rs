@@ -60,6 +60,7 @@ use crate::prediction::accuracy;
 use crate::prediction::commands::axis_commands;
 use crate::prediction::{ChannelErrors, NotPredictable, WINDOW_S};
 pub use base::BaseTerm;
+use base::Based;
 pub use baseline::{
     Baseline, BaselineDiagnosis, BetweenFlights, Compared, Difference, FlightNumbers, Given, NotComparable, NumberOf,
     compare_flights, diagnose_against, motor_place,
@@ -76,7 +77,7 @@ pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
 use fitted::Fitted;
 pub use fitted::per_unit_inertia;
-use fitting::fit::{as_terms, model_of};
+use fitting::fit::{Fit, as_terms, model_of};
 use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
@@ -239,19 +240,20 @@ fn diagnosed(
     observability::check(log, &search, &found.refitted.nominal)?;
     // of a vehicle in free flight that no model knows nothing can be a finding before it is known what is its own
     if !search.shooting.log.is_of_unknown_flyer() && !search.is_far(&found.chosen) {
-        return concluded(log, subject, &search, found, effort);
+        return concluded(log, subject, &search, found, None, effort);
     }
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
     let ordinary = known.leaves(base::ordinary_with_sensors(&scope, &sensors));
+    let beside =
+        |base: &Fit<'_>| known.leaves(sensors.informed(Fitted::beside(&scope, |axis| base::is_trimmed(base, axis))));
     let shooting = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
-    let base = base::fitted(&search, &ordinary).fit;
-    let base = judge::useful(&search, search.refitted(base.terms, &base.starts));
-    let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));
-    let beside = known.leaves(sensors.informed(beside));
-    let search = search.from(&base, &beside);
+    let base = base::modelled(&search, &ordinary);
+    let hypotheses = beside(&base);
+    let search = search.from(&base, &hypotheses);
     let found = search.run();
-    concluded(log, subject, &search, found, effort)
+    let based = Based { ordinary: &ordinary, beside: &beside };
+    concluded(log, subject, &search, found, Some(&based), effort)
 }
 
 /// The answer, once other cuts of the log have had their say.
@@ -260,9 +262,10 @@ fn concluded<'e>(
     subject: &Subject<'_>,
     search: &Search<'e>,
     found: Found<'e>,
+    based: Option<&Based<'e>>,
     effort: Effort,
 ) -> Result<Diagnosis, NotPredictable> {
-    let stability = Stability::of(log, subject, search, &found, effort)?;
+    let stability = Stability::of(log, subject, search, based, effort)?;
     let wanted = stability.consensus(&found.findings(search));
     let found = search.agreed(found, &wanted);
     (search.observer)(Progress::Judging);

@@ -1,9 +1,10 @@
-//! How far an answer hangs on where its log was cut. The effects are chosen again, beside the same base model and in
-//! the same noise, over eight other cuts of the log: an eighth of the time left out, another in each, and the windows'
-//! grid moved. A name that most cuts give is an answer; one that the cuts do not agree on is one of several.
+//! How far an answer hangs on where its log was cut. Eight other cuts of the log are diagnosed too, each with its own
+//! base model and in its own noise: an eighth of the time left out, another in each, and the windows' grid moved. A
+//! name that most cuts give is an answer; one that the cuts do not agree on is one of several.
 
+use super::base::{self, Based};
+use super::evidence;
 use super::fitted::Fitted;
-use super::found::Found;
 use super::progress::Progress;
 use super::search::Search;
 use crate::diagnosis::fitting::fit::Term;
@@ -58,13 +59,13 @@ impl<'e> Stability<'e> {
         log: &Log,
         subject: &Subject<'_>,
         search: &Search<'e>,
-        found: &Found<'e>,
+        based: Option<&Based<'e>>,
         effort: Effort,
     ) -> Result<Stability<'e>, NotPredictable> {
         let (total, mut answers) = (effort.cuts(), Vec::new());
         for done in 0..total {
             (search.observer)(Progress::Cutting { done, total });
-            answers.extend(found_again(log, subject, search, found, &Cut { number: done, of: total })?);
+            answers.extend(found_again(log, subject, search, based, &Cut { number: done, of: total })?);
         }
         Ok(Stability { answers })
     }
@@ -139,28 +140,40 @@ fn is_in(answer: &[Term<'_>], effect: &Fitted) -> bool {
     answer.iter().any(|term| term.effect.is_the_same(effect))
 }
 
-/// What one cut gives; none where it leaves no window.
+/// What one cut gives, as if it were all of the log; none where it leaves no window.
 fn found_again<'e>(
     log: &Log,
     subject: &Subject<'_>,
     search: &Search<'e>,
-    found: &Found<'e>,
+    based: Option<&Based<'e>>,
     cut: &Cut,
 ) -> Result<Option<Vec<Term<'e>>>, NotPredictable> {
     let whole = search.shooting;
     let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&whole.log);
     let Ok(windowed) = windowed.cut(cut) else { return Ok(None) };
-    let shooting = Shooting::new(windowed).with_noise(whole.noise, whole.carried.clone());
-    let silent = |_| ();
-    let again = Search::new(&shooting, search.nominal, search.catalogue, search.gains.clone(), &silent);
-    let again = again.from(&found.refitted.base, search.catalogue);
-    let answer = again.run();
+    let (shooting, silent) = (Shooting::new(windowed), |_| ());
+    let again = |shooting, catalogue| Search::new(shooting, search.nominal, catalogue, search.gains.clone(), &silent);
+    let Some(based) = based else {
+        let again = again(&shooting, search.catalogue);
+        return Ok(Some(known_to(search, &again.run().findings(&again))));
+    };
+    let disturbed = base::disturbed(log, subject, &again(&shooting, &[]), based.ordinary)?;
+    let again = again(&disturbed, &[]);
+    let base = base::modelled(&again, based.ordinary);
+    let beside = (based.beside)(&base);
+    let again = again.from(&base, &beside);
+    let found = evidence::bootstrap::confirmed(&again, again.run());
+    Ok(Some(known_to(search, &found.findings(&again))))
+}
+
+/// Findings of another cut, as those of the whole log.
+fn known_to<'e>(search: &Search<'e>, findings: &[Term<'_>]) -> Vec<Term<'e>> {
     let known = |effect: &Fitted| {
         let of_base = search.always.iter().map(|term| term.effect);
         of_base.chain(search.catalogue).find(|known| known.is_the_same(effect))
     };
-    let of_whole = |term: Term<'_>| Some(Term { effect: known(term.effect)?, values: term.values });
-    Ok(Some(answer.findings(&again).into_iter().filter_map(of_whole).collect()))
+    let of_whole = |term: &Term<'_>| Some(Term { effect: known(term.effect)?, values: term.values.clone() });
+    findings.iter().filter_map(of_whole).collect()
 }
 
 #[cfg(test)]

@@ -109,9 +109,10 @@ impl<'a> WindowedLog<'a> {
         WindowedLog { commands, tracks: Mutex::default(), ..self }
     }
 
-    /// The same with the commands of another, and with what those leave unknown.
+    /// The same with the windows and commands of another, and with what those leave unknown.
     pub(crate) fn commanded_as(self, other: &WindowedLog<'_>) -> WindowedLog<'a> {
-        WindowedLog { lost: other.lost.clone(), ..self.commanded(other.commands.clone()) }
+        let windows = other.windows.clone();
+        WindowedLog { windows, lost: other.lost.clone(), ..self.commanded(other.commands.clone()) }
     }
 
     /// The same, other windows of it.
