@@ -213,7 +213,7 @@ pub(super) fn in_noise_of<'l>(
     model: &Fit<'_>,
 ) -> Result<Shooting<'l>, NotPredictable> {
     let (moments, forces) = noise_beyond_sensors(search, &search.training, model);
-    let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&search.shooting.log);
+    let windowed = subject.windowed(log, &subject.noise(log))?.windowed_as(&search.shooting.log);
     Ok(Shooting::new(windowed).with_noise(moments, forces))
 }
 

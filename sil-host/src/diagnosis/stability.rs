@@ -149,7 +149,7 @@ fn found_again<'e>(
     cut: &Cut,
 ) -> Result<Option<Vec<Term<'e>>>, NotPredictable> {
     let whole = search.shooting;
-    let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&whole.log);
+    let windowed = subject.windowed(log, &subject.noise(log))?.windowed_as(&whole.log);
     let Ok(windowed) = windowed.cut(cut) else { return Ok(None) };
     let (shooting, silent) = (Shooting::new(windowed), |_| ());
     let again = |shooting, catalogue| Search::new(shooting, search.nominal, catalogue, search.gains.clone(), &silent);

@@ -110,7 +110,7 @@ impl<'a> WindowedLog<'a> {
     }
 
     /// The same with the windows and commands of another, and with what those leave unknown.
-    pub(crate) fn commanded_as(self, other: &WindowedLog<'_>) -> WindowedLog<'a> {
+    pub(crate) fn windowed_as(self, other: &WindowedLog<'_>) -> WindowedLog<'a> {
         let windows = other.windows.clone();
         WindowedLog { windows, lost: other.lost.clone(), ..self.commanded(other.commands.clone()) }
     }
