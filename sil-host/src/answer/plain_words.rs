@@ -194,12 +194,30 @@ pub fn cause(finding: &Finding) -> String {
 
 /// What was found in a sentence, without its full stop.
 pub fn sentence(finding: &Finding) -> String {
+    capitalised(&clause(finding))
+}
+
+/// What was found in a sentence that says so where it may as well be something else, without its full stop.
+pub fn doubted(finding: &Finding) -> String {
+    match is_doubtful(finding) {
+        true => format!("It may be that {}", clause(finding)),
+        false => sentence(finding),
+    }
+}
+
+/// True where something else may be in its place.
+pub fn is_doubtful(finding: &Finding) -> bool {
+    finding.one_of.len() > 1 || !finding.confounded_with.is_empty()
+}
+
+/// What was found, as a part of a sentence.
+fn clause(finding: &Finding) -> String {
     let axis = finding.axis.unwrap_or("the vehicle");
     let Some((name, size)) = main_parameter(finding).filter(|_| finding.controller_parameter.is_none()) else {
-        return capitalised(finding.statement.trim_end_matches('.'));
+        return finding.statement.trim_end_matches('.').to_owned();
     };
     let (rough, magnitude) = (size.rough(), size.magnitude());
-    let text = match finding.effect {
+    match finding.effect {
         "cg_offset" if name.starts_with("cos") => {
             format!("{axis} is out of balance by {magnitude}{}", as_mass(name, size))
         }
@@ -235,8 +253,7 @@ pub fn sentence(finding: &Finding) -> String {
             let place = finding.axis.map(|axis| format!(" ({axis})")).unwrap_or_default();
             format!("{}{place}: {rough}", entry_of(finding.effect).map_or(finding.effect, |entry| entry.statement))
         }
-    };
-    capitalised(&text)
+    }
 }
 
 /// A moment as the mass that makes it on a lever; nothing for a moment per unit of inertia.
@@ -313,6 +330,17 @@ mod tests {
             "Commands act 12 ms later than in the model"
         );
         assert_eq!(said("nobody_knows", None, &[]), "As it is");
+    }
+
+    #[test]
+    fn what_may_as_well_be_something_else_is_not_said_as_a_fact() {
+        let certain = finding("actuation_delay", None, &[("delay_s", 0.0123, 1e-4)]);
+        let one_of = vec!["actuation_delay".to_owned(), "nothing".to_owned()];
+        let of_several = Finding { one_of, ..certain.clone() };
+        let confounded = Finding { confounded_with: vec!["motor_lag"], ..certain.clone() };
+        let said = [&certain, &of_several, &confounded].map(|of| doubted(of).replace(NO_BREAK, " "));
+        let doubt = "It may be that commands act 12 ms later than in the model";
+        assert_eq!(said, ["Commands act 12 ms later than in the model", doubt, doubt]);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::Answered;
 use super::diagnosis::first_screen::{card, headline, lead, picture, shown};
-use super::plain_words::{cause, main_parameter, quantity, unit, with_unit};
+use super::plain_words::{cause, is_doubtful, main_parameter, quantity, unit, with_unit};
 use super::text_table::TextTable;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::report::{Card, Cell, Page, Section, Table, Tone};
@@ -72,7 +72,7 @@ impl Row {
             ]
         });
         let [what, before, after] = error.unwrap_or_default();
-        let cause = first.map(cause).unwrap_or_default();
+        let cause = first.map(|of| cause(of) + if is_doubtful(of) { "?" } else { "" }).unwrap_or_default();
         let verdict = verdict(answer.verdict).to_owned();
         vec![self.path.clone(), verdict, cause, size.unwrap_or_default(), what, before, after]
     }

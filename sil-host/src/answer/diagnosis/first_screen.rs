@@ -8,7 +8,7 @@ use crate::report::{Card, Chart, Page, Tone};
 
 use crate::answer::key_window::Predicted;
 use crate::answer::plain_words::{
-    axis_of, capitalised, cause, main_parameter, parameter, quantity, sentence, unit, with_unit,
+    axis_of, capitalised, cause, doubted, main_parameter, parameter, quantity, sentence, unit, with_unit,
 };
 
 /// An angle is shown rather than a rate if its error, in units of the noise, is at least this share of the rate's.
@@ -30,7 +30,7 @@ pub fn headline(answer: &Diagnosis) -> String {
     match (answer.verdict, answer.findings.first()) {
         (Verdict::NotAModel, _) => "No model was found of the vehicle that flew".to_owned(),
         (Verdict::NotShown, _) => "The log does not show what this vehicle's commands do".to_owned(),
-        (_, Some(first)) => format!("{}{others}", sentence(first)),
+        (_, Some(first)) => format!("{}{others}", doubted(first)),
         (Verdict::NoDiscrepancy, None) => "The simulation agrees with this log".to_owned(),
         (_, None) => {
             let axis = shown(answer).and_then(|(error, _)| axis_of(error.quantity));
@@ -146,13 +146,8 @@ pub(crate) fn card(answer: &Diagnosis) -> Card {
         }
         None => card.line("What remains", capitalised(&answer.unexplained.signature)),
     };
-    let others: Vec<String> = answer.findings.iter().skip(1).map(sentence).collect();
+    let others: Vec<String> = answer.findings.iter().skip(1).map(doubted).collect();
     card.line("Also", others.join("; "))
-}
-
-/// True where something else may be in its place.
-pub fn is_doubtful(finding: &Finding) -> bool {
-    finding.one_of.len() > 1 || !finding.confounded_with.is_empty()
 }
 
 fn certainty(finding: &Finding) -> String {

@@ -161,7 +161,7 @@ fn causes(log: &Log, answer: &Diagnosis) -> Section {
             answer
                 .findings
                 .iter()
-                .filter(|finding| first_screen::is_doubtful(finding))
+                .filter(|finding| plain_words::is_doubtful(finding))
                 .map(|of| on_a_page(&of.statement)),
         )
         .paragraph(format!(
