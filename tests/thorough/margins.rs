@@ -2,7 +2,7 @@
 
 use campaigns::comparison::draw::Draw;
 use shared_control::config::Controller;
-use sil_host::controller_file::{AlertName, ControllerChoice};
+use sil_host::controller_file::ControllerChoice;
 use sil_host::flight::FlightSetup;
 use sil_host::margins;
 use sil_host::model::{Rig, VehicleModel};
@@ -82,9 +82,7 @@ fn the_mpc_has_margins_whatever_the_motors() {
 #[test]
 fn the_gain_margin_is_where_the_loop_breaks() {
     for controller in [(Controller::Cascade, 400, 1), (Controller::Cascade, 100, 1), (Controller::Mpc, 100, 5)] {
-        let mut nominal = setup(controller);
-        // as margins are measured: an alert's gains are none of the loop's
-        nominal.choice.tuning.mpc_disturbance_alert = Some(AlertName::Never);
+        let nominal = setup(controller);
         let [roll, _] = nominal.margins().unwrap().unwrap();
         let gain = 10f64.powf(roll.gain_db.unwrap() / 20.0);
         let held_with = |factor: f64| {

@@ -52,6 +52,20 @@ fn flown(
     inputs.map(one).collect()
 }
 
+/// A loop of 200 Hz is alert after a torque has set in, one of 100 Hz never.
+#[test]
+fn a_slow_loop_is_never_alert() {
+    let is_alert = |step_s: f32| {
+        let rule = AlertRule::new(DisturbanceAlert::Significant, Gains::of_double_pole(0.9, step_s), step_s);
+        let mut state = AlertState::default();
+        (0..400).any(|step| {
+            rule.gains(&mut state, if step < 300 { 0.0 } else { 1.0 }, 0.0);
+            rule.is_alert(&state)
+        })
+    };
+    assert!(is_alert(STEP_MAX_S) && !is_alert(0.01));
+}
+
 fn step_at(onset: usize, steps: usize) -> impl Iterator<Item = (f32, f32)> {
     (0..steps).map(move |step| (0.0, if step < onset { 0.0 } else { TORQUE_NM }))
 }
