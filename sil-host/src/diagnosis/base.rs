@@ -141,14 +141,6 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candida
     best.unwrap_or_else(|| search.nominal())
 }
 
-/// What a search beside a base model begins with.
-pub(super) struct Based<'e> {
-    /// What is ordinary of what a log is about.
-    pub(super) ordinary: &'e [Fitted],
-    /// What can be found beside a base model.
-    pub(super) beside: &'e dyn Fn(&Fit<'_>) -> Vec<Fitted>,
-}
-
 /// The base model of a log in the noise of a search, without what makes its predictions worse.
 pub(super) fn modelled<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Fit<'e> {
     let base = fitted(search, ordinary).fit;

@@ -60,7 +60,6 @@ use crate::prediction::accuracy;
 use crate::prediction::commands::axis_commands;
 use crate::prediction::{ChannelErrors, NotPredictable, WINDOW_S};
 pub use base::BaseTerm;
-use base::Based;
 pub use baseline::{
     Baseline, BaselineDiagnosis, BetweenFlights, Compared, Difference, FlightNumbers, Given, NotComparable, NumberOf,
     compare_flights, diagnose_against, motor_place,
@@ -77,7 +76,7 @@ pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
 use fitted::Fitted;
 pub use fitted::per_unit_inertia;
-use fitting::fit::{Fit, as_terms, model_of};
+use fitting::fit::{as_terms, model_of};
 use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
@@ -230,6 +229,27 @@ fn diagnosed(
     // a log of many rows is compared at some of them, under all of its commands
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
+    searched(log, subject, known, observer, |search, found| {
+        // other cuts of the log have their say
+        let stability = Stability::of(log, subject, known, search, effort);
+        let wanted = stability.consensus(&found.findings(search));
+        let found = search.agreed(found, &wanted);
+        observer(Progress::Judging);
+        answer(log, subject, search, &evidence::bootstrap::confirmed(search, found), &stability)
+    })
+}
+
+/// Searches a log, beside a base model where it is of a real vehicle, and concludes from the search what is wanted.
+///
+/// # Errors
+/// As [`diagnose`].
+fn searched<T>(
+    log: &Log,
+    subject: &Subject<'_>,
+    known: &Known,
+    observer: Observer<'_>,
+    conclude: impl FnOnce(&Search<'_>, Found<'_>) -> T,
+) -> Result<T, NotPredictable> {
     let sampled = Sampled::new(log, subject, None)?;
     let nominal = || subject.model(log);
     let (scope, sensors) = (subject.scope(log), Kinematics::of(log));
@@ -240,37 +260,18 @@ fn diagnosed(
     observability::check(log, &search, &found.refitted.nominal)?;
     // of a vehicle in free flight that no model knows nothing can be a finding before it is known what is its own
     if !search.shooting.log.is_of_unknown_flyer() && !search.is_far(&found.chosen) {
-        return concluded(log, subject, &search, found, None, effort);
+        return Ok(conclude(&search, found));
     }
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
     let ordinary = known.leaves(base::ordinary_with_sensors(&scope, &sensors));
-    let beside =
-        |base: &Fit<'_>| known.leaves(sensors.informed(Fitted::beside(&scope, |axis| base::is_trimmed(base, axis))));
     let shooting = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
     let base = base::modelled(&search, &ordinary);
-    let hypotheses = beside(&base);
+    let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));
+    let hypotheses = known.leaves(sensors.informed(beside));
     let search = search.from(&base, &hypotheses);
     let found = search.run();
-    let based = Based { ordinary: &ordinary, beside: &beside };
-    concluded(log, subject, &search, found, Some(&based), effort)
-}
-
-/// The answer, once other cuts of the log have had their say.
-fn concluded<'e>(
-    log: &Log,
-    subject: &Subject<'_>,
-    search: &Search<'e>,
-    found: Found<'e>,
-    based: Option<&Based<'e>>,
-    effort: Effort,
-) -> Result<Diagnosis, NotPredictable> {
-    let stability = Stability::of(log, subject, search, based, effort)?;
-    let wanted = stability.consensus(&found.findings(search));
-    let found = search.agreed(found, &wanted);
-    (search.observer)(Progress::Judging);
-    let found = evidence::bootstrap::confirmed(search, found);
-    Ok(answer(log, subject, search, &found, &stability))
+    Ok(conclude(&search, found))
 }
 
 fn answer<'e>(

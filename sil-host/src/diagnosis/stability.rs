@@ -1,16 +1,15 @@
-//! How far an answer hangs on where its log was cut. Eight other cuts of the log are diagnosed too, each with its own
-//! base model and in its own noise: an eighth of the time left out, another in each, and the windows' grid moved. A
-//! name that most cuts give is an answer; one that the cuts do not agree on is one of several.
+//! How far an answer hangs on where its log was cut. Eight other cuts of the log are diagnosed too, each as if
+//! nothing else had been logged: an eighth of the time left out, another in each, and the windows' grid moved. A name
+//! that most cuts give is an answer; one that the cuts do not agree on is one of several.
 
-use super::base::{self, Based};
-use super::evidence;
 use super::fitted::Fitted;
+use super::known::Known;
 use super::progress::Progress;
 use super::search::Search;
+use super::{evidence, searched};
 use crate::diagnosis::fitting::fit::Term;
-use crate::diagnosis::fitting::shooting::Shooting;
 use crate::log::Log;
-use crate::prediction::{Cut, NotPredictable, Subject};
+use crate::prediction::{Cut, Subject};
 
 /// Share of the cuts that must give a name for it to be certain.
 const CERTAIN: f64 = 0.8;
@@ -51,23 +50,20 @@ pub(super) struct Stability<'e> {
 }
 
 impl<'e> Stability<'e> {
-    /// Searches the cuts.
-    ///
-    /// # Errors
-    /// As [`Subject::windowed`].
+    /// Diagnoses the cuts.
     pub(super) fn of(
         log: &Log,
         subject: &Subject<'_>,
+        known: &Known,
         search: &Search<'e>,
-        based: Option<&Based<'e>>,
         effort: Effort,
-    ) -> Result<Stability<'e>, NotPredictable> {
+    ) -> Stability<'e> {
         let (total, mut answers) = (effort.cuts(), Vec::new());
         for done in 0..total {
             (search.observer)(Progress::Cutting { done, total });
-            answers.extend(found_again(log, subject, search, based, &Cut { number: done, of: total })?);
+            answers.extend(found_again(log, subject, known, search, &Cut { number: done, of: total }));
         }
-        Ok(Stability { answers })
+        Stability { answers }
     }
 
     /// In how many of the cuts an effect is found, %; none where they say nothing.
@@ -140,30 +136,20 @@ fn is_in(answer: &[Term<'_>], effect: &Fitted) -> bool {
     answer.iter().any(|term| term.effect.is_the_same(effect))
 }
 
-/// What one cut gives, as if it were all of the log; none where it leaves no window.
+/// What one cut gives, as if it were all of the log; none where it has no answer.
 fn found_again<'e>(
     log: &Log,
     subject: &Subject<'_>,
+    known: &Known,
     search: &Search<'e>,
-    based: Option<&Based<'e>>,
     cut: &Cut,
-) -> Result<Option<Vec<Term<'e>>>, NotPredictable> {
-    let whole = search.shooting;
-    let windowed = subject.windowed(log, &subject.noise(log))?.windowed_as(&whole.log);
-    let Ok(windowed) = windowed.cut(cut) else { return Ok(None) };
-    let (shooting, silent) = (Shooting::new(windowed), |_| ());
-    let again = |shooting, catalogue| Search::new(shooting, search.nominal, catalogue, search.gains.clone(), &silent);
-    let Some(based) = based else {
-        let again = again(&shooting, search.catalogue);
-        return Ok(Some(known_to(search, &again.run().findings(&again))));
-    };
-    let disturbed = base::disturbed(log, subject, &again(&shooting, &[]), based.ordinary)?;
-    let again = again(&disturbed, &[]);
-    let base = base::modelled(&again, based.ordinary);
-    let beside = (based.beside)(&base);
-    let again = again.from(&base, &beside);
-    let found = evidence::bootstrap::confirmed(&again, again.run());
-    Ok(Some(known_to(search, &found.findings(&again))))
+) -> Option<Vec<Term<'e>>> {
+    let cut = cut.of(log)?;
+    let found = searched(&cut, subject, known, &|_| (), |again, found| {
+        let found = evidence::bootstrap::confirmed(again, found);
+        known_to(search, &found.findings(again))
+    });
+    found.ok()
 }
 
 /// Findings of another cut, as those of the whole log.

@@ -25,20 +25,27 @@ impl Log {
     /// # Errors
     /// They are fewer than a log needs.
     pub fn within(&self, spans_s: &[[f64; 2]]) -> Result<Log, LogError> {
-        let is_within =
-            |row: &usize| spans_s.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&self.time_s[*row]));
-        let rows: Vec<usize> = (0..self.rows()).filter(is_within).collect();
-        let (from_s, to_s) =
-            (spans_s.first().map_or(f64::NAN, |span| span[0]), spans_s.last().map_or(f64::NAN, |s| s[1]));
-        if rows.len() < ROWS_MIN {
+        let is_within = |row: usize| spans_s.iter().any(|[from, to]| (*from..=*to).contains(&self.time_s[row]));
+        self.only(is_within).ok_or_else(|| {
+            let (first, last) = (spans_s.first(), spans_s.last());
+            let (from_s, to_s) = (first.map_or(f64::NAN, |span| span[0]), last.map_or(f64::NAN, |span| span[1]));
             let end = |time_s: Option<&f64>| time_s.copied().unwrap_or_default();
             let has_s = [end(self.time_s.first()), end(self.time_s.last())];
-            let kind = LogErrorKind::SpanTooShort { from_s, to_s, rows: rows.len(), has_s };
-            return Err(LogError { file: self.path.clone(), line: None, column: None, kind });
+            let rows = (0..self.rows()).filter(|row| is_within(*row)).count();
+            let kind = LogErrorKind::SpanTooShort { from_s, to_s, rows, has_s };
+            LogError { file: self.path.clone(), line: None, column: None, kind }
+        })
+    }
+
+    /// Some of the rows; none where they are fewer than a log needs.
+    pub(crate) fn only(&self, is_left: impl Fn(usize) -> bool) -> Option<Log> {
+        let rows: Vec<usize> = (0..self.rows()).filter(|row| is_left(*row)).collect();
+        if rows.len() < ROWS_MIN {
+            return None;
         }
         let mut part = self.with_columns(|_, column| rows.iter().map(|row| column[*row]).collect());
         part.sent_commands = self.sent_commands.as_ref().map(|sent| Box::new(sent.since(part.time_s.first().copied())));
-        Ok(part)
+        Some(part)
     }
 
     /// A log of more than 600 rows per second in fewer of them, at least 200, under all of its commands

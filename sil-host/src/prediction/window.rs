@@ -58,21 +58,16 @@ const FOURS_FITTED: usize = 30;
 /// # Errors
 /// The rows are too far apart, or there is no window at all.
 pub(crate) fn windows(log: &Log) -> Result<Vec<Window>, NotPredictable> {
-    windows_among(log, &log.active_rows())
-}
-
-/// The same in other rows than those in which the motors run.
-fn windows_among(log: &Log, active: &[bool]) -> Result<Vec<Window>, NotPredictable> {
     let step_s = log.median_step_s();
     if step_s * ROWS_MIN as f64 > WINDOW_S {
         return Err(NotPredictable::TooSlow { step_s, window_s: WINDOW_S, rows_min: ROWS_MIN });
     }
     let mut windows = Vec::new();
-    for (first, end) in stretches_among(log, active) {
+    for (first, end) in stretches(log) {
         cut(&log.time_s, first, end, 0.5 * step_s, &mut windows);
     }
     share_out(log, &mut windows);
-    if !active.contains(&true) {
+    if !log.active_rows().contains(&true) {
         return Err(NotPredictable::MotorsStand { rows: log.rows(), duration_s: log.duration_s() });
     }
     if windows.is_empty() {
@@ -86,10 +81,7 @@ const PAUSE_S: f64 = 0.04;
 
 /// Runs of rows (first, one past the last) without a gap in time in which the motors run.
 pub(super) fn stretches(log: &Log) -> Vec<(usize, usize)> {
-    stretches_among(log, &log.active_rows())
-}
-
-fn stretches_among(log: &Log, active: &[bool]) -> Vec<(usize, usize)> {
+    let active = log.active_rows();
     let longest_regular_s = log.longest_regular_step_s().max(PAUSE_S);
     let mut stretches = Vec::new();
     let mut first = 0;
@@ -124,21 +116,19 @@ pub(crate) struct Cut {
 const LEFT_OUT: f64 = 0.125;
 
 impl Cut {
-    /// The windows that are left.
-    ///
-    /// # Errors
-    /// As [`windows`].
-    pub(crate) fn windows(&self, log: &Log) -> Result<Vec<Window>, NotPredictable> {
+    /// What is left of a log; none where that is no log any more.
+    pub(crate) fn of(&self, log: &Log) -> Option<Log> {
         let place = (self.number as f64 + 0.5) / self.of as f64;
-        let mut active = log.active_rows();
+        let (mut is_left, mut runs) = (vec![true; log.rows()], Vec::new());
         for (first, end) in stretches(log) {
             let begin_s = log.time_s[first] + place * WINDOW_S;
-            (first..end).take_while(|row| log.time_s[*row] < begin_s).for_each(|row| active[row] = false);
+            let begin = (first..end).find(|row| log.time_s[*row] >= begin_s).unwrap_or(end);
+            is_left[first..begin].fill(false);
+            runs.extend(begin..end);
         }
-        let rows: Vec<usize> = (0..log.rows()).filter(|row| active[*row]).collect();
-        let (from, count) = ((place * rows.len() as f64) as usize, (LEFT_OUT * rows.len() as f64) as usize);
-        (from..from + count).for_each(|number| active[rows[number % rows.len()]] = false);
-        windows_among(log, &active)
+        let (from, count) = ((place * runs.len() as f64) as usize, (LEFT_OUT * runs.len() as f64) as usize);
+        (from..from + count).for_each(|number| is_left[runs[number % runs.len()]] = false);
+        log.only(|row| is_left[row])
     }
 }
 
@@ -306,20 +296,25 @@ mod tests {
     #[test]
     fn a_cut_leaves_out_an_eighth_and_moves_the_grid() {
         let log = log_at((0..4001).map(|row| f64::from(row) * 0.004).collect());
-        let whole = windows(&log).unwrap();
-        let cuts: Vec<Vec<Window>> = (0..8).map(|number| Cut { number, of: 8 }.windows(&log).unwrap()).collect();
-        let mut begins: Vec<usize> = cuts.iter().map(|cut| cut[0].start).collect();
-        for (number, cut) in cuts.iter().enumerate() {
+        let begin_s = |log: &Log| log.time_s[windows(log).unwrap()[0].start];
+        let mut begins: Vec<f64> = Vec::new();
+        for number in 0..8 {
+            let cut = Cut { number, of: 8 }.of(&log).unwrap();
             // 16 s less 2 s, less what does not fill a window on either side of the hole
-            assert!((24..=28).contains(&cut.len()), "{number}: {}", cut.len());
-            assert!(cut.iter().enumerate().all(|(place, window)| window.index == place));
-            let held = |row: usize| cut.iter().any(|window| (window.lead..window.end).contains(&row));
-            let middle_of_hole = (number as f64 + 1.0) / 8.0 * 4000.0;
-            assert!(!held((middle_of_hole as usize) % 4000), "{number}");
+            let windows = windows(&cut).unwrap();
+            assert!((24..=28).contains(&windows.len()), "{number}: {}", windows.len());
+            // the rows are the log's own
+            assert!(cut.time_s.iter().all(|time_s| log.time_s.contains(time_s)));
+            let middle_of_hole_s = (2.0 * (number as f64 + 1.0)) % 16.0;
+            let held = |window: &Window| {
+                cut.time_s[window.lead] <= middle_of_hole_s && middle_of_hole_s <= cut.time_s[window.end - 1]
+            };
+            assert!(!windows.iter().any(held), "{number}");
+            begins.push(begin_s(&cut));
         }
-        begins.sort_unstable();
+        begins.sort_by(f64::total_cmp);
         begins.dedup();
-        assert!(begins.len() >= 7 && !begins.contains(&whole[0].start), "{begins:?}");
+        assert!(begins.len() >= 7 && !begins.contains(&begin_s(&log)), "{begins:?}");
     }
 
     #[test]

@@ -6,12 +6,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::Channel;
 use super::body::State;
 use super::drive::Drive;
-use super::error::NotPredictable;
 use super::force_track::{Commands, ForceTrack};
 use super::model::{Model, track};
 use super::noise::MeasuredNoise;
 use super::scene::Scene;
-use super::window::{Cut, Part, Window};
+use super::window::{Part, Window};
 use crate::axis::Axis;
 use crate::log::{Column, Log, sanity};
 use crate::statistics::wrapped;
@@ -113,14 +112,6 @@ impl<'a> WindowedLog<'a> {
     pub(crate) fn windowed_as(self, other: &WindowedLog<'_>) -> WindowedLog<'a> {
         let windows = other.windows.clone();
         WindowedLog { windows, lost: other.lost.clone(), ..self.commanded(other.commands.clone()) }
-    }
-
-    /// The same, other windows of it.
-    ///
-    /// # Errors
-    /// None is left.
-    pub(crate) fn cut(self, cut: &Cut) -> Result<WindowedLog<'a>, NotPredictable> {
-        Ok(WindowedLog { windows: cut.windows(self.log)?, ..self })
     }
 
     /// The same, its commands leaving accelerations unknown.
