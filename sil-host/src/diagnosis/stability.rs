@@ -2,6 +2,8 @@
 //! nothing else had been logged: an eighth of the time left out, another in each, and the windows' grid moved. A name
 //! that most cuts give is an answer; one that the cuts do not agree on is one of several.
 
+use rayon::prelude::*;
+
 use super::fitted::Fitted;
 use super::known::Known;
 use super::progress::Progress;
@@ -50,7 +52,7 @@ pub(super) struct Stability<'e> {
 }
 
 impl<'e> Stability<'e> {
-    /// Diagnoses the cuts.
+    /// Diagnoses the cuts, as many at once as there are threads.
     pub(super) fn of(
         log: &Log,
         subject: &Subject<'_>,
@@ -58,10 +60,14 @@ impl<'e> Stability<'e> {
         search: &Search<'e>,
         effort: Effort,
     ) -> Stability<'e> {
+        let effects: Vec<&Fitted> = search.always.iter().map(|term| term.effect).chain(search.catalogue).collect();
         let (total, mut answers) = (effort.cuts(), Vec::new());
-        for done in 0..total {
-            (search.observer)(Progress::Cutting { done, total });
-            answers.extend(found_again(log, subject, known, search, &Cut { number: done, of: total }));
+        let numbers: Vec<usize> = (0..total).collect();
+        for at_once in numbers.chunks(rayon::current_num_threads().max(1)) {
+            (search.observer)(Progress::Cutting { done: at_once[0], total });
+            let found =
+                |number: &usize| found_in(&Cut { number: *number, of: total }.of(log)?, subject, known, &effects);
+            answers.extend(at_once.par_iter().map(found).collect::<Vec<_>>().into_iter().flatten());
         }
         Stability { answers }
     }
@@ -136,30 +142,17 @@ fn is_in(answer: &[Term<'_>], effect: &Fitted) -> bool {
     answer.iter().any(|term| term.effect.is_the_same(effect))
 }
 
-/// What one cut gives, as if it were all of the log; none where it has no answer.
-fn found_again<'e>(
-    log: &Log,
-    subject: &Subject<'_>,
-    known: &Known,
-    search: &Search<'e>,
-    cut: &Cut,
-) -> Option<Vec<Term<'e>>> {
-    let cut = cut.of(log)?;
-    let found = searched(&cut, subject, known, &|_| (), |again, found| {
-        let found = evidence::bootstrap::confirmed(again, found);
-        known_to(search, &found.findings(again))
+/// What a cut gives, as if it were all of the log, in the effects of the whole one; none where it has no answer.
+fn found_in<'e>(cut: &Log, subject: &Subject<'_>, known: &Known, effects: &[&'e Fitted]) -> Option<Vec<Term<'e>>> {
+    let of_whole = |term: &Term<'_>| {
+        let effect = effects.iter().find(|effect| effect.is_the_same(term.effect))?;
+        Some(Term { effect, values: term.values.clone() })
+    };
+    let found = searched(cut, subject, known, &|_| (), |search, found| {
+        let found = evidence::bootstrap::confirmed(search, found);
+        found.findings(search).iter().filter_map(of_whole).collect()
     });
     found.ok()
-}
-
-/// Findings of another cut, as those of the whole log.
-fn known_to<'e>(search: &Search<'e>, findings: &[Term<'_>]) -> Vec<Term<'e>> {
-    let known = |effect: &Fitted| {
-        let of_base = search.always.iter().map(|term| term.effect);
-        of_base.chain(search.catalogue).find(|known| known.is_the_same(effect))
-    };
-    let of_whole = |term: &Term<'_>| Some(Term { effect: known(term.effect)?, values: term.values.clone() });
-    findings.iter().filter_map(of_whole).collect()
 }
 
 #[cfg(test)]
