@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::commanded;
+use super::commanded::{Commanded, commanded};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::remainder::structure::Settled;
 use crate::prediction::accuracy::{PredictedWindow, Series, predict};
@@ -23,6 +23,8 @@ const VARIATION_MIN: f64 = 3.0;
 const COMMAND_MIN: f64 = 5e-3;
 /// Fit of what is moved by its commands, %: a third of the variance is theirs.
 const COMMANDED_MIN_PCT: f64 = 20.0;
+/// Share of the error of the start alone by which that fit's error must be less: a slow motion is near its start.
+const BEYOND_START_MIN: f64 = 0.2;
 
 /// How one channel is predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -38,7 +40,7 @@ pub struct ChannelStatistics {
     /// %: what there is to be had, whatever the vehicle is. None where the channel has no command.
     pub commands_fit_pct: Option<f64>,
     /// True if it moves because of its commands, so that a model could show what it knows: that response or the model
-    /// with the findings fits it by 20 % or more.
+    /// with the findings fits it by 20 % or more, and misses a fifth less than who knows no commands.
     pub excited: bool,
     /// By the model without any effect.
     pub nominal: ModelStatistics,
@@ -84,24 +86,26 @@ pub(in crate::diagnosis) fn statistics(
         };
         let [nominal, base, extended] = [of(0)?, of(1)?, of(2)?];
         let moved = is_moved(&shooting.log, models[2].predicted, channel, commands);
-        let commands_fit_pct = commands_fit_pct(&shooting.log, &everywhere, channel, commands);
+        let commanded = by_commands(&shooting.log, &everywhere, channel, commands);
+        let commands_fit_pct = commanded.map(|commanded| commanded.fit_pct);
         let best_pct = commands_fit_pct.into_iter().chain(extended.agreement.fit_pct).fold(f64::MIN, f64::max);
-        let excited = moved && best_pct >= COMMANDED_MIN_PCT;
+        let is_beyond = |start: Commanded| 100.0 - best_pct <= (1.0 - BEYOND_START_MIN) * (100.0 - start.held_pct);
+        let excited = moved && best_pct >= COMMANDED_MIN_PCT && commanded.is_none_or(is_beyond);
         let (quantity, unit) = (channel.name(), channel.unit());
         Some(ChannelStatistics { quantity, unit, moved, commands_fit_pct, excited, nominal, base, extended })
     };
     shooting.log.compared().enumerate().filter_map(of_channel).collect()
 }
 
-fn commands_fit_pct(
+fn by_commands(
     log: &WindowedLog<'_>,
     everywhere: &[PredictedWindow],
     channel: Channel,
     commands: &[[f64; 4]],
-) -> Option<f64> {
+) -> Option<Commanded> {
     let axis = channel.turning_axis()?;
     let command: Vec<f64> = commands.iter().map(|of_axes| of_axes[axis.index()]).collect();
-    commanded::fit_pct(log.rows(), log.measured(channel)?, &command, channel, everywhere)
+    commanded(log.rows(), log.measured(channel)?, &command, channel, everywhere)
 }
 
 fn is_moved(log: &WindowedLog<'_>, predicted: &[PredictedWindow], channel: Channel, commands: &[[f64; 4]]) -> bool {
