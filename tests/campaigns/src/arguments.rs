@@ -8,8 +8,8 @@ use serde::Serialize;
 pub struct Arguments {
     /// 10 for a tenth of the campaign, 1 for the whole.
     pub parts: u64,
-    /// Recorded flights instead of simulated ones.
-    pub on_logs: bool,
+    /// The program's other word stood there.
+    pub has_word: bool,
     file: Option<String>,
 }
 
@@ -19,18 +19,18 @@ impl Arguments {
     /// # Errors
     /// The exit status for that.
     pub fn of_process(program: &str) -> Result<Self, ExitCode> {
-        Self::read(program, false)
+        Self::read(program, None)
     }
 
-    /// The same of a program that also takes recorded flights.
+    /// The same of a program that also takes another word.
     ///
     /// # Errors
     /// As [`Self::of_process`].
-    pub fn of_process_or_logs(program: &str) -> Result<Self, ExitCode> {
-        Self::read(program, true)
+    pub fn of_process_or(program: &str, word: &str) -> Result<Self, ExitCode> {
+        Self::read(program, Some(word))
     }
 
-    fn read(program: &str, knows_logs: bool) -> Result<Self, ExitCode> {
+    fn read(program: &str, word: Option<&str>) -> Result<Self, ExitCode> {
         let mut arguments: Vec<String> = std::env::args().skip(1).collect();
         let mut takes = |word: &str| {
             let before = arguments.len();
@@ -38,13 +38,13 @@ impl Arguments {
             arguments.len() < before
         };
         let parts = if takes("tenth") { 10 } else { 1 };
-        let on_logs = knows_logs && takes("logs");
+        let has_word = word.is_some_and(takes);
         match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-            [] => Ok(Self { parts, on_logs, file: None }),
-            ["--json", file] => Ok(Self { parts, on_logs, file: Some(file.to_owned()) }),
+            [] => Ok(Self { parts, has_word, file: None }),
+            ["--json", file] => Ok(Self { parts, has_word, file: Some(file.to_owned()) }),
             _ => {
-                let words = if knows_logs { "tenth | logs" } else { "tenth" };
-                eprintln!("usage: {program} [{words}] [--json FILE]");
+                let or_word = word.map_or_else(String::new, |word| format!(" | {word}"));
+                eprintln!("usage: {program} [tenth{or_word}] [--json FILE]");
                 Err(ExitCode::from(2))
             }
         }

@@ -12,11 +12,11 @@ const SEEDS: u64 = 140;
 const MINUTES: u64 = 750;
 
 fn main() -> ExitCode {
-    let arguments = match Arguments::of_process_or_logs("motor_loss") {
+    let arguments = match Arguments::of_process_or("motor_loss", "logs") {
         Ok(arguments) => arguments,
         Err(status) => return status,
     };
-    if arguments.on_logs {
+    if arguments.has_word {
         let (quiet, found) = real_logs::searched();
         print!("{}", real_logs::table(&quiet, &found));
         return arguments.write(&serde_json::json!({ "as_recorded": quiet, "with_losses": found }));
