@@ -5,7 +5,7 @@ use core::fmt::Write;
 use core::hint::black_box;
 
 use shared_control::attitude::angle;
-use shared_control::config::{Tuning, mpc_settings};
+use shared_control::config::{Controller, Tuning, mpc_settings};
 use shared_control::mpc::{Mpc, MpcError, MpcSettings, MpcState};
 use shared_control::signals::{Plan, PlanRequest};
 use shared_control::vehicle::VehicleParameters;
@@ -57,7 +57,7 @@ fn advance(request: &mut PlanRequest, settings: &MpcSettings, theta: &Theta) {
 
 pub(super) fn run(console: &mut Console) -> core::fmt::Result {
     let [roll_max_rad, ..] = data::SETTINGS.output_max_rad;
-    let tuning = Tuning { mpc_tilt_max_rad: roll_max_rad, ..Tuning::for_vehicle(&VEHICLE) };
+    let tuning = Tuning { mpc_tilt_max_rad: roll_max_rad, ..Tuning::for_flight(&VEHICLE, Controller::Mpc, false) };
     let settings = mpc_settings(&VEHICLE, &tuning, LOOP_RATE_HZ);
     let mpc = match prepare(black_box(&settings)) {
         Ok(mpc) => mpc,
