@@ -1,6 +1,6 @@
 //! Vehicles that are not what their controller knows, as the tables of docs/learning.md: `cargo run --release -p
-//! campaigns --bin adaptation`, with `-- --json FILE` also as rows in a file; `tenth` flies a tenth of it, `tenthousand` as
-//! many vehicles in all.
+//! campaigns --bin adaptation`, with `-- --json FILE` also as rows in a file; `tenth` flies a tenth of it,
+//! `tenthousand` as many vehicles in all.
 
 use std::process::ExitCode;
 
