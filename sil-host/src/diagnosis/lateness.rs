@@ -7,6 +7,7 @@ use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::search::Search;
 use crate::diagnosis::fitting::fit::Fit;
+use crate::effects::Unknown;
 use crate::prediction::force_track::Commands;
 use crate::prediction::lost_commands::{lateness_of_held_s, usual_step_s};
 
@@ -19,14 +20,15 @@ pub(super) fn together_s(search: &Search<'_>, fit: &Fit<'_>) -> Option<Estimate>
 
 /// The sum of what a fit has of them, s.
 pub(super) fn summed_s(fit: &Fit<'_>) -> Option<Estimate> {
-    let (mut slope, mut value) = (Vec::new(), 0.0);
+    let (mut slope, mut value, mut range) = (Vec::new(), 0.0, 0.0);
     for term in &fit.terms {
         let is_late = term.effect.is_late();
+        range += if is_late { term.effect.unknowns().iter().map(Unknown::range).sum::<f64>() } else { 0.0 };
         slope.extend(term.values.iter().map(|_| if is_late { 1.0 } else { 0.0 }));
         value += if is_late { term.values.iter().sum() } else { 0.0 };
     }
     let variance = fit.variance_along(&slope);
-    (slope.contains(&1.0) && variance.is_finite()).then(|| Estimate { value, std: variance.max(0.0).sqrt() })
+    (slope.contains(&1.0) && variance.is_finite()).then(|| Estimate { value, std: variance.max(0.0).sqrt().min(range) })
 }
 
 /// Counts in the interval of a lag or a delay what no fit knows ([`of_rows_std_s`]), and that neither is more than both

@@ -235,7 +235,9 @@ pub(super) fn estimates(fit: &Fit<'_>, index: usize, model_error: f64) -> BTreeM
         (0..size).for_each(|i| slope[first + i] = slopes[i][place]);
         let own = model_error * (value - effect.nominal(name));
         let std = (fit.variance_along(&slope).max(0.0) + own * own).sqrt();
-        estimates.insert(*name, Estimate { value: *value, std });
+        // nothing is less certain than that it is somewhere in its range
+        let most: f64 = (0..size).map(|i| slopes[i][place].abs() * effect.unknowns()[i].range()).sum();
+        estimates.insert(*name, Estimate { value: *value, std: std.min(most.max(own.abs())) });
     }
     if let Some(motor) = effect.motor() {
         estimates.insert("motor", Estimate { value: f64::from(motor), std: 0.0 });

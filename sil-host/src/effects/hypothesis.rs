@@ -39,6 +39,11 @@ impl Unknown {
         Self { name, nominal, step, min, max, is_amplitude: false, constant_moment: None, prior: None }
     }
 
+    /// How far apart any two values are at most.
+    pub(crate) fn range(&self) -> f64 {
+        self.max - self.min
+    }
+
     /// A number of no effect's.
     pub(crate) const fn free(name: &'static str, nominal: f64, step: f64, [min, max]: [f64; 2]) -> Self {
         Self { name, nominal, step, min, max, is_amplitude: false, constant_moment: None, prior: None }

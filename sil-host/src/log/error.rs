@@ -47,7 +47,10 @@ pub enum LogErrorKind {
     Damaged { format: &'static str, reason: String },
     #[error("{0}")]
     NotThisVehicle(String),
-    #[error("its time runs back: reading {reading} at {now} s follows {before} s, {gone} readings are out of order")]
+    #[error(
+        "its time {}: reading {reading} at {now} s follows {before} s, {gone} readings are out of order",
+        if .now < .before { "runs back" } else { "stands still" }
+    )]
     TimeRunsBack { reading: usize, before: f64, now: f64, gone: usize },
     #[error("{0}: a wrong unit or a broken sensor")]
     MostlyOutOfRange(String),

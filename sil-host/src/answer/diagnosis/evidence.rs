@@ -223,7 +223,11 @@ fn deviation(std: Option<f64>) -> Cell {
 /// Of what moves: how well a model could fit it, and how well this one does.
 pub(super) fn what_commands_explain(answer: &Diagnosis) -> Option<String> {
     let of = |channel: &ChannelStatistics| {
-        let in_words = |fit: Option<f64>| fit.map_or("-".to_owned(), |fit| format!("{fit:.0} %"));
+        let in_words = |fit: Option<f64>| match fit {
+            Some(fit) if fit >= 0.5 => format!("{fit:.0} %"),
+            Some(_) => "not at all".to_owned(),
+            None => "-".to_owned(),
+        };
         let [best, own] = [channel.commands_fit_pct, channel.extended.agreement.fit_pct].map(in_words);
         format!("{} {best} (this model {own})", quantity(channel.quantity))
     };
@@ -235,8 +239,8 @@ pub(super) fn what_commands_explain(answer: &Diagnosis) -> Option<String> {
         .collect();
     (!moved.is_empty()).then(|| {
         format!(
-            "Over {} s the best linear response to the axis' command, whatever the vehicle, fits {}. Where that is \
-             near 0 or below, something beside the commands moved it.",
+            "Over {} s the best linear response to the axis' command, whatever the vehicle, fits {}. Where \
+             neither does, something beside the commands moved it.",
             answer.prediction_error.window_s,
             moved.join(", ")
         )

@@ -45,9 +45,9 @@ pub fn headline(verdict: Verdict) -> &'static str {
              roll and pitch to 20 degrees for 15 s, logged at 100 rows/s or more."
         }
         Verdict::NotShown => {
-            "Not shown by this log: what the commands do. They hardly change, they were logged too seldom, or \
-             something beside them moves the vehicle as much. Steps or doublets of roll and pitch to 20 degrees for \
-             15 s show it, logged at 100 rows/s or more."
+            "Not shown by this log: what the commands do. How strongly an axis answers stays unknown, or something \
+             beside the commands moves the vehicle as much; they hardly change, or were logged too seldom. Steps or \
+             doublets of roll and pitch to 20 degrees for 15 s show it, logged at 100 rows/s or more."
         }
     }
 }

@@ -194,6 +194,11 @@ fn single_stamps_out_of_order_cost_one_reading_each_and_a_clock_that_runs_back_i
         message,
         "log: `gyro`: its time runs back: reading 801 at 1 s follows 9 s, 801 readings are out of order"
     );
+    let stamp = good[0];
+    recording = several_rates();
+    recording.streams[2] = gyro(&vec![stamp; good.len()]);
+    let message = log_of("log", recording, None).unwrap_err().to_string();
+    assert!(message.contains(&format!("its time stands still: reading 1 at {stamp} s follows {stamp} s")), "{message}");
 }
 
 #[test]
