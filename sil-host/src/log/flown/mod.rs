@@ -3,10 +3,10 @@
 //!
 //! A *flight* is a stretch in which the motors lift. Where the log has a collective (motors, or a thrust command), that
 //! is where it lies above half of what it usually is while the motors run: lift goes with its square or less, so that
-//! below half no vehicle is held up; less than a second below is a manoeuvre. Where the motors are steered on, as on a
-//! bench, which needs no lift, a low collective is no idling. Take-off and landing are left
-//! out (`ground`). Without a collective nothing says more
-//! than the rows in which the motors run ([`Log::active_rows`]).
+//! below half no vehicle is held up; less than a second below is a manoeuvre. Where the motors are steered on and the
+//! vehicle turns, as on a bench, which needs no lift, or in a dive, a low collective is no idling: on the ground motors
+//! may be steered too, but turn nothing. Take-off and landing are left out (`ground`). Without a collective nothing
+//! says more than the rows in which the motors run ([`Log::active_rows`]).
 //!
 //! A flight ends before a *crash*: within its last seconds the accelerometer shows a blow, or at the end the vehicle
 //! lies on its side or back, however long. *Saturation* and *end stops* are shown, not cut: the diagnosis knows the
@@ -28,6 +28,10 @@ const SHORTEST_S: f64 = 1.0;
 /// Motors whose commands differ by this share of what they usually do, each as a share of the collective, steer: idling
 /// motors are told one and the same.
 const STEERED: f64 = 0.2;
+/// A vehicle whose rates are, over [`STANDS_S`], this share of what they are while its motors lift stands.
+const STANDS: f64 = 0.03;
+/// So long it must stand, s: any swing has a turning point.
+const STANDS_S: f64 = 0.5;
 /// A blow is looked for so long before a flight's end, or before the vehicle lay down, s.
 const CRASH_WITHIN_S: f64 = 3.0;
 /// What happens before a crash belongs to it: the motors or the pilot gave up, s.
@@ -42,6 +46,8 @@ const AT_LIMIT: f64 = 0.005;
 const STOPPED: f64 = 6.0;
 /// As near to its extreme as this share of its range an angle is at its end.
 const AT_END: f64 = 0.1;
+/// What motors do within so long shows in the turn, s.
+const PUSH_S: f64 = 0.1;
 /// So many times at least an end stop is hit before it is called one.
 const STOPS_MIN: usize = 3;
 
@@ -75,9 +81,10 @@ impl Flown {
         let usual = usual(&collective, &active);
         let mut lifts: Vec<bool> =
             collective.iter().zip(&active).map(|(value, active)| *active && *value > IDLE * usual).collect();
-        fill(&log.time_s, &mut lifts, false);
-        fill(&log.time_s, &mut lifts, true);
+        let fill_short = |lifts: &mut [bool]| [false, true].iter().for_each(|kind| fill(&log.time_s, lifts, *kind));
+        fill_short(&mut lifts);
         keep_what_is_steered(log, &active, &collective, &mut lifts);
+        fill_short(&mut lifts);
         let flights: Vec<Flight> = stretches(&lifts)
             .into_iter()
             .filter(|rows| lifts[rows.start])
@@ -190,25 +197,48 @@ fn keep_what_is_steered(log: &Log, active: &[bool], collective: &[f64], lifts: &
     };
     let lifting: Vec<usize> = (0..lifts.len()).filter(|row| lifts[*row]).collect();
     let usual = share(&lifting);
+    let stands = standing(log, &lifting);
     // motors at nothing stand, whatever the log says of its active rows
     let runs = (0..lifts.len()).map(|row| (lifts[row], active[row] && collective[row] > 0.0));
     for rows in stretches(&runs.collect::<Vec<(bool, bool)>>()) {
         let low: Vec<usize> = rows.clone().collect();
         let runs = active[rows.start] && collective[rows.start] > 0.0;
         if !lifts[rows.start] && runs && usual > 0.0 && share(&low) > STEERED * usual {
-            lifts[rows].fill(true);
+            rows.for_each(|row| lifts[row] = !stands[row]);
         }
     }
 }
 
-/// What turns the axes: their commands, or the parts that the motors' commands have in them.
+/// In which rows the vehicle turns about no axis; in none where the log has no rates.
+fn standing(log: &Log, lifting: &[usize]) -> Vec<bool> {
+    let rates: Vec<&[f64]> = Axis::ALL.iter().filter_map(|axis| log.column(Quantity::Rate(*axis))).collect();
+    let square = |row: usize| rates.iter().map(|rate| rate[row] * rate[row]).sum::<f64>();
+    let usual = lifting.iter().map(|row| square(*row)).sum::<f64>() / lifting.len().max(1) as f64;
+    let mut stands = vec![false; log.rows()];
+    let (mut from, mut sum) = (0, 0.0);
+    for row in 0..log.rows() {
+        sum += square(row);
+        while log.time_s[from] < log.time_s[row] - STANDS_S {
+            sum -= square(from);
+            from += 1;
+        }
+        if sum < STANDS * STANDS * usual * (row + 1 - from) as f64 {
+            stands[from..=row].fill(true);
+        }
+    }
+    stands
+}
+
+/// What turns the axes that the log has commands of.
 fn steering(log: &Log) -> Vec<Vec<f64>> {
-    let Some(motors) = log.motors() else {
-        return Axis::ALL.iter().filter_map(|axis| log.column(Quantity::Command(*axis))).map(<[f64]>::to_vec).collect();
-    };
-    let part =
-        |axis: &Axis| (0..log.rows()).map(|row| signed_sums(motors.map(|motor| motor[row]))[axis.index()]).collect();
-    Axis::ALL.iter().map(part).collect()
+    Axis::ALL.iter().filter_map(|axis| steering_of(log, *axis)).collect()
+}
+
+/// What turns an axis: its command, or the part that the motors' commands have in it.
+fn steering_of(log: &Log, axis: Axis) -> Option<Vec<f64>> {
+    let Some(motors) = log.motors() else { return log.column(Quantity::Command(axis)).map(<[f64]>::to_vec) };
+    let part = |row: usize| signed_sums(motors.map(|motor| motor[row]))[axis.index()];
+    Some((0..log.rows()).map(part).collect())
 }
 
 /// Turns stretches of one kind that are too short to mean it, at the ends of a log too, but for lifting ones there.
@@ -274,7 +304,8 @@ fn saturation(log: &Log, flights: &[Flight]) -> Option<String> {
         .then(|| format!("in {full:.0} % of the flown rows a motor is at full command, in {stopped:.0} % at none"))
 }
 
-/// An end of an angle's range at which turns are stopped as no motor stops them.
+/// An end of an angle's range at which turns are stopped as no motor stops them: a pilot's or a controller's limit of
+/// tilt is an end of the range too, at which the motors push back.
 fn end_stop(log: &Log, axis: Axis, flights: &[Flight]) -> Option<String> {
     let angle = log.column(Quantity::Angle(axis))?;
     let rate = log.column(Quantity::Rate(axis))?;
@@ -284,6 +315,7 @@ fn end_stop(log: &Log, axis: Axis, flights: &[Flight]) -> Option<String> {
     sizes.sort_by(f64::total_cmp);
     // a normal deviation is 1.48 times the median of sizes
     let usual = 1.48 * sizes.get(sizes.len() / 2).copied()?;
+    let pushed = pushes(log, axis, &rows);
     let (least, most) = rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), row| {
         let angle_rad = wrapped(angle[*row]);
         (least.min(angle_rad), most.max(angle_rad))
@@ -291,7 +323,8 @@ fn end_stop(log: &Log, axis: Axis, flights: &[Flight]) -> Option<String> {
     let hits_at = |end_rad: f64, outward: f64| {
         let is_hit = |row: &&usize| {
             let is_near = (wrapped(angle[**row]) - end_rad).abs() < AT_END * (most - least);
-            is_near && outward * rate[**row] > 0.0 && -outward * acceleration(**row) > STOPPED * usual
+            let is_stopped = outward * rate[**row] > 0.0 && -outward * acceleration(**row) > STOPPED * usual;
+            is_near && is_stopped && !pushed(**row, -outward)
         };
         let hits: Vec<f64> = rows.iter().filter(is_hit).map(|row| log.time_s[*row]).collect();
         // one hit may take several rows
@@ -308,9 +341,22 @@ fn end_stop(log: &Log, axis: Axis, flights: &[Flight]) -> Option<String> {
     })
 }
 
+/// Do motors push one way before a row, by more than they usually do?
+fn pushes<'a>(log: &'a Log, axis: Axis, rows: &[usize]) -> impl Fn(usize, f64) -> bool + 'a {
+    let steering = steering_of(log, axis);
+    let squares = steering.iter().flat_map(|of| rows.iter().map(|row| of[*row] * of[*row])).sum::<f64>();
+    let usual = (squares / rows.len().max(1) as f64).sqrt();
+    move |row, way| {
+        let Some(steering) = &steering else { return false };
+        let from = log.time_s.partition_point(|time_s| *time_s < log.time_s[row] - PUSH_S);
+        steering[from..=row].iter().any(|steered| way * steered > usual)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shared_control::airframe::TORQUE_SIGNS;
 
     /// Rows at 100 Hz of motors at one command each.
     fn log_of(commands: &[(f64, f64)]) -> Log {
@@ -357,6 +403,24 @@ mod tests {
         assert_eq!(spans(&steered), [[2.0, 15.0]]);
         log.motor_command[0].as_mut().unwrap()[1000..1500].fill(0.1);
         assert_eq!(spans(&log), [[2.0, 10.0]]);
+    }
+
+    #[test]
+    fn on_the_ground_motors_may_be_steered_but_turn_nothing() {
+        let mut log = log_of(&[(6.0, 0.1), (8.0, 0.5), (5.0, 0.1)]);
+        let steer = |(row, command): (usize, &mut f64)| *command *= 1.0 + 0.1 * libm::sin(row as f64);
+        log.motor_command[0].iter_mut().flatten().enumerate().for_each(steer);
+        let turns = |from: usize, to: usize| {
+            let rate = |row: usize| if (from..to).contains(&row) { libm::sin(0.1 * row as f64) } else { 1e-3 };
+            [Some((0..1900).map(rate).collect()), None, None]
+        };
+        // it dives with idling motors, which only its turns tell from standing
+        for (from, to) in [(600, 1400), (200, 1900), (0, 1900)] {
+            log.rate_rad_s = turns(from, to);
+            let found = spans(&log);
+            assert!(found.len() == 1 && (found[0][0] - 0.01 * from as f64).abs() < 0.6, "{from} {found:?}");
+            assert!((found[0][1] - 0.01 * to as f64).abs() < 0.6, "{to} {found:?}");
+        }
     }
 
     #[test]
@@ -414,6 +478,18 @@ mod tests {
         let notes = Flown::of(&log).notes.join("; ");
         assert!(notes.contains("100 % of the flown rows a motor is at full command"), "{notes}");
         assert!(notes.contains("roll seems to hit an end stop at 0 deg") && notes.contains("57 deg"), "{notes}");
+        // motors that turn it back are no stop: a controller's limit of tilt
+        let turning_back = |row: usize| match phase(row) {
+            95..105 => -0.1,
+            195..200 | 0..5 => 0.1,
+            _ => 0.0,
+        };
+        let mut limited = log.clone();
+        for (motor, sign) in TORQUE_SIGNS[0].into_iter().enumerate() {
+            let command = |row: usize| 0.5 + f64::from(sign) * turning_back(row);
+            limited.motor_command[motor] = Some((0..2000).map(command).collect());
+        }
+        assert!(!Flown::of(&limited).notes.join("; ").contains("end stop"), "{:?}", Flown::of(&limited).notes);
         // the same turning smoothly
         let swing = |of: fn(f64) -> f64| Some((0..2000).map(|row| of(0.05 * row as f64)).collect());
         log.rate_rad_s[0] = swing(libm::cos);
