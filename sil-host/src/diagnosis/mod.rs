@@ -111,6 +111,8 @@ pub struct Diagnosis {
     /// Motors' lag and the delay before them together, s, which a log shows far better than either; none where not
     /// both are fitted.
     pub lateness_s: Option<Estimate>,
+    /// What not to rely on among the base model's numbers, in sentences.
+    pub warnings: Vec<String>,
     /// Most important first.
     pub findings: Vec<Finding>,
     /// What was tested and rejected.
@@ -154,11 +156,19 @@ pub struct LogSummary {
     pub duration_s: f64,
     /// Rows per second.
     pub rate_hz: f64,
+    /// What its reading took, assumed, left out and checked.
+    pub notes: Vec<String>,
 }
 
 impl LogSummary {
     fn of(log: &Log) -> LogSummary {
-        LogSummary { path: log.path.clone(), rows: log.rows(), duration_s: log.duration_s(), rate_hz: log.rate_hz() }
+        LogSummary {
+            path: log.path.clone(),
+            rows: log.rows(),
+            duration_s: log.duration_s(),
+            rate_hz: log.rate_hz(),
+            notes: log.notes.clone(),
+        }
     }
 }
 
@@ -289,6 +299,7 @@ fn answer<'e>(
     let tallies = predicted.each_ref().map(accuracy::tallies);
     let [[nominal, _], [base, _], [extended, noise_floor]] = tallies.each_ref().map(|of| accuracy::channel_errors(of));
     let gain = evidence::bootstrap::gain(search, found);
+    let noise_floor = noise_floor.at_most(&[nominal, base, extended]);
     let findings = verdict::findings(search, found, stability, &gain);
     let experiment = evidence::experiment::separating(log, subject, search, found, &findings, &gain.places);
     let unexplained = remainder::unexplained(search, found, &tallies[0], &tallies[2]);
@@ -301,6 +312,7 @@ fn answer<'e>(
     let statistics = evidence::statistics::statistics(shooting, judged, &commands);
     let horizons = evidence::horizons::horizons(&shooting.log, &driven);
     let base_terms = base::terms(search, found);
+    let warnings = evidence::warnings::warnings(&base_terms, &horizons);
     let verdict = Verdict::of(&findings, &base_terms, &unexplained, &statistics);
     let [nominal_model, _, extended_model] = &driven;
     let (conditions, spectra) = evidence::conditions::conditions(
@@ -315,6 +327,7 @@ fn answer<'e>(
         known: Vec::new(),
         base: base_terms,
         lateness_s: lateness::together_s(search, &found.refitted.chosen),
+        warnings,
         findings,
         rejected,
         prediction_error: PredictionErrors { window_s: WINDOW_S, nominal, base, extended, noise_floor },

@@ -227,6 +227,21 @@ pub struct ChannelErrors {
     pub q_deg_s: Option<f64>,
 }
 
+impl ChannelErrors {
+    /// An exact model's, none above what any of some models reached.
+    pub(crate) fn at_most(self, models: &[ChannelErrors]) -> ChannelErrors {
+        let least = |of: fn(&ChannelErrors) -> Option<f64>| {
+            of(&self).map(|own| models.iter().filter_map(of).fold(own, f64::min))
+        };
+        ChannelErrors {
+            roll_deg: least(|errors| errors.roll_deg),
+            pitch_deg: least(|errors| errors.pitch_deg),
+            p_deg_s: least(|errors| errors.p_deg_s),
+            q_deg_s: least(|errors| errors.q_deg_s),
+        }
+    }
+}
+
 /// Root mean square errors of a model's windows, and an exact model's.
 pub(crate) fn channel_errors(windows: &[WindowTally]) -> [ChannelErrors; 2] {
     let of = |which: fn((f64, f64)) -> f64| {

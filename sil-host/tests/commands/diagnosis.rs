@@ -28,9 +28,10 @@ fn answer() -> Value {
         "noise_floor": "number",
     });
     json!({
-        "log": { "path": "string", "rows": 1200, "duration_s": "number", "rate_hz": "number" },
+        "log": { "path": "string", "rows": 1200, "duration_s": "number", "rate_hz": "number", "notes": "anything" },
         "verdict": "explained",
         "known": "anything",
+        "warnings": "anything",
         "base": "anything",
         "lateness_s": "anything",
         "findings": [{

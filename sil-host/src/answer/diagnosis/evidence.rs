@@ -246,26 +246,3 @@ pub(super) fn what_commands_explain(answer: &Diagnosis) -> Option<String> {
         )
     })
 }
-
-/// Share by which a base model must miss a channel by more than the nominal one for that to be said.
-const HARM_FROM: f64 = 0.1;
-
-/// Where the base model predicts worse than the nominal one does, over the length that is compared.
-pub(super) fn what_base_harms(answer: &Diagnosis) -> Option<String> {
-    if answer.base.is_empty() {
-        return None;
-    }
-    let window_s = answer.prediction_error.window_s;
-    let horizon = answer.horizons.iter().find(|horizon| horizon.horizon_s == window_s)?;
-    let worse = horizon.errors.iter().filter(|error| error.base > (1.0 + HARM_FROM) * error.nominal);
-    let worse: Vec<String> = worse
-        .map(|error| format!("{} {:.2} {} for {:.2}", error.quantity, error.base, error.unit, error.nominal))
-        .collect();
-    (!worse.is_empty()).then(|| {
-        format!(
-            "Over {window_s} s the base model is further off than the nominal one: {}. There something that it lacks \
-             moved the vehicle more than what it has, and its numbers are not to be relied on.",
-            worse.join(", ")
-        )
-    })
-}

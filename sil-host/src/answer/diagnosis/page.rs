@@ -109,8 +109,7 @@ fn base_model(answer: &Diagnosis) -> Option<Section> {
     let terms = answer.base.iter().map(base_text);
     let together = answer.lateness_s.map(|together| format!("lag and delay together: {together} s"));
     let listed = || section.list(terms.chain(together).map(|line| on_a_page(&line)));
-    let harm = evidence::what_base_harms(answer);
-    (!answer.base.is_empty()).then(|| harm.into_iter().fold(listed(), Section::warning))
+    (!answer.base.is_empty()).then(|| answer.warnings.iter().fold(listed(), Section::warning))
 }
 
 fn causes(log: &Log, answer: &Diagnosis) -> Section {

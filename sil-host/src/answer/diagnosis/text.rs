@@ -3,7 +3,7 @@
 use crate::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected};
 use crate::log::Log;
 
-use super::evidence::{what_base_harms, what_commands_explain};
+use super::evidence::what_commands_explain;
 use super::page::{base_text, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
 use crate::answer::Emphasis;
 use crate::answer::text_table::{TextTable, error_table, number};
@@ -51,7 +51,7 @@ pub fn verdict_text(answer: &Diagnosis, emphasised: Emphasis) -> String {
         text.push_str("  fitted along with the above (the base model):\n");
         text.extend(answer.base.iter().map(|term| format!("    {}\n", base_text(term))));
         text.extend(answer.lateness_s.map(|together| format!("    lag and delay together: {together} s\n")));
-        text.extend(what_base_harms(answer).map(|sentence| format!("    {sentence}\n")));
+        text.extend(answer.warnings.iter().map(|sentence| format!("    {sentence}\n")));
     }
     let of_controller =
         |rejected: &&Rejected| rejected.effect == "controller_mismatch" && rejected.reason != NO_CONTROLLER;

@@ -16,7 +16,7 @@ fn flight(name: &str, motors: [f64; 4]) -> FlightNumbers {
     let collective = 0.25 * motors.iter().sum::<f64>();
     let all = trims.into_iter().chain([(NumberOf::Collective, collective)]);
     FlightNumbers {
-        log: LogSummary { path: name.to_owned(), rows: 1000, duration_s: 10.0, rate_hz: 100.0 },
+        log: LogSummary { path: name.to_owned(), rows: 1000, duration_s: 10.0, rate_hz: 100.0, notes: Vec::new() },
         numbers: all.map(|(of, value)| Number::new(of, own(value))).collect(),
         collective: Some(collective),
         knows_motors: true,

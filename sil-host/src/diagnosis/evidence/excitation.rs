@@ -149,6 +149,8 @@ fn weaknesses(parameters: &[Excited], condition_number: Option<f64>, alike: &[us
         match of.std_together.map(|std| std / of.value.abs()) {
             None => sentences
                 .push(format!("In this log the {axis} command has no effect on {axis}: {what} cannot be determined.")),
+            Some(relative) if relative > 1.0 => sentences
+                .push(format!("In this log what the {axis} command moves is lost in the noise: {what} is unknown.")),
             Some(relative) if relative > UNMOVED => sentences.push(format!(
                 "In this log the command hardly moves {axis}: {what} can be determined to {:.0} % at best (one \
                  standard deviation).",
@@ -160,8 +162,8 @@ fn weaknesses(parameters: &[Excited], condition_number: Option<f64>, alike: &[us
     if let Some(number) = condition_number.filter(|number| *number > ALIKE) {
         let names: Vec<String> = alike.iter().map(|i| parameters[*i].in_words()).collect();
         sentences.push(format!(
-            "In this log {} have nearly the same effect (condition number {number:.0}): their sum can be determined, \
-             each alone hardly.",
+            "In this log {} have nearly the same effect (condition number {number:.0}): together they can be \
+             determined, each alone hardly.",
             names.join(" and ")
         ));
     }

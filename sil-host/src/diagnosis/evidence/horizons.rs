@@ -38,7 +38,8 @@ pub struct HorizonError {
     pub base: f64,
     /// With the findings.
     pub extended: f64,
-    /// Of an exact model.
+    /// Of an exact model; where its reckoning, along a model that is not exact, comes out above what one of the three
+    /// reached, that.
     pub noise_floor: f64,
 }
 
@@ -63,6 +64,7 @@ fn horizon(log: &WindowedLog<'_>, models: &[Driven; 3], horizon_s: f64) -> Optio
         let (nominal, _) = root_mean_square(&nominal, of)?;
         let (base, _) = root_mean_square(&base, of)?;
         let (extended, noise_floor) = root_mean_square(&extended, of)?;
+        let noise_floor = noise_floor.min(nominal).min(base).min(extended);
         Some(HorizonError {
             quantity: of.name(),
             unit: of.unit(),

@@ -1,7 +1,7 @@
 //! What is shown beside the names: how far a prediction holds (`horizons`), the figures that people know
 //! (`statistics`) beside what any model could reach (`commanded`), where errors arise (`conditions`, `residuals`), how
-//! sure the gain is (`bootstrap`), what the log excites (`excitation`), and the flight that would show more
-//! (`experiment`, out of `manoeuvres`).
+//! sure the gain is (`bootstrap`), what the log excites (`excitation`), what not to rely on (`warnings`), and the
+//! flight that would show more (`experiment`, out of `manoeuvres`).
 
 pub(in crate::diagnosis) mod bootstrap;
 mod commanded;
@@ -12,6 +12,7 @@ pub(in crate::diagnosis) mod horizons;
 mod manoeuvres;
 pub(in crate::diagnosis) mod residuals;
 pub(in crate::diagnosis) mod statistics;
+pub(in crate::diagnosis) mod warnings;
 
 #[cfg(test)]
 mod tests;
