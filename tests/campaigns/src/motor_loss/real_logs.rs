@@ -19,7 +19,7 @@ use super::recorded::{self, LOOP_RATE_HZ, Recorded, Step};
 const STEP_S: f64 = 1.0 / LOOP_RATE_HZ;
 /// After so many steps the detector judges, and a loss may be put in; then every so many.
 const SETTLED_STEPS: usize = 400;
-const BETWEEN_LOSSES_STEPS: usize = 67;
+const BETWEEN_LOSSES_STEPS: usize = 7;
 /// A loss is watched for so many steps.
 const WATCHED_STEPS: usize = 41;
 /// Motors that spin down do so with this lag, or with that which is believed of them.
