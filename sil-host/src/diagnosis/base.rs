@@ -109,26 +109,25 @@ pub(super) fn by_speed(scope: &Scope) -> Option<Fitted> {
     Some(found.expected(Prior { mean: 0.0, std }))
 }
 
+/// The numbers of a base model, term by term: what the nominal model leaves open, then what is ordinary.
+pub(super) type Numbers = Vec<Vec<f64>>;
+
 /// The base model of a log, in the noise of a search: what its nominal model leaves open and what is ordinary, fitted
-/// from several starts.
-pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candidate<'e> {
+/// from several starts, first of all from what it was in the noise of the sensors, where that is known. Under a
+/// disturbance nothing is half as good as a model that is nearly right: from nothing at all a fit loses its way.
+pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted], in_sensors: Option<&Numbers>) -> Candidate<'e> {
     let answers = if search.gains.is_empty() { [None; 3] } else { search.shooting.log.answers_rad_s2() };
     // a delay at the end of its range has lost its command: whatever it explains is no vehicle's
     let rank = |fit: &Candidate<'_>| {
         let (terms, has_own_lag) = (&fit.fit.terms, (search.nominal)().drive.quickest_s().is_finite());
-        let is_wrong = has_bound(terms) || !has_own_lag && acts_at_once(terms) || turns_back(terms, &answers);
+        let is_wrong = has_bound(terms) || !has_own_lag && answers_at_once(terms) || turns_back(terms, &answers);
         (is_wrong, fit.fit.training)
     };
     let mut best: Option<Candidate<'e>> = None;
-    let begun_at_answers = with_answers(&search.gains, &answers);
-    let mut begins: Vec<(&[Term<'e>], [f64; 2])> =
-        LAG_AND_DELAY_S.iter().map(|late| (&search.gains[..], *late)).collect();
-    begins.extend(begun_at_answers.as_ref().map(|gains| (&gains[..], USUAL_LAG_AND_DELAY_S)));
+    let begins = beginnings(search, ordinary, in_sensors, &answers);
     let total = begins.len();
-    for (done, (gains, start)) in begins.iter().enumerate() {
+    for (done, terms) in begins.into_iter().enumerate() {
         (search.observer)(Progress::Fitting { done, total });
-        let mut terms = gains.to_vec();
-        terms.extend(ordinary.iter().map(|effect| Term { effect, values: effect.beginning(start) }));
         // a start that can't come near the best so far is given up
         let to_reach = best.as_ref().filter(|best| !rank(best).0).map_or(f64::INFINITY, |best| best.fit.training);
         let fit = search.settled(terms, to_reach);
@@ -141,9 +140,30 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candida
     best.unwrap_or_else(|| search.nominal())
 }
 
+/// Where its fits begin: where the last one ended, at the usual lags and delays with nothing else, and at the gains of
+/// a regression.
+fn beginnings<'e>(
+    search: &Search<'e>,
+    ordinary: &'e [Fitted],
+    in_sensors: Option<&Numbers>,
+    answers: &[Option<f64>; 3],
+) -> Vec<Vec<Term<'e>>> {
+    let with = |gains: &[Term<'e>], late: &[f64; 2]| -> Vec<Term<'e>> {
+        let own = ordinary.iter().map(|effect| Term { effect, values: effect.beginning(late) });
+        gains.iter().cloned().chain(own).collect()
+    };
+    let at = |numbers: &Numbers| -> Vec<Term<'e>> {
+        let all = with(&search.gains, &USUAL_LAG_AND_DELAY_S).into_iter().zip(numbers);
+        all.map(|(term, values)| Term { values: values.clone(), ..term }).collect()
+    };
+    let at_answers = with_answers(&search.gains, answers).map(|gains| with(&gains, &USUAL_LAG_AND_DELAY_S));
+    let usual = LAG_AND_DELAY_S.iter().map(|late| with(&search.gains, late));
+    in_sensors.map(at).into_iter().chain(usual).chain(at_answers).collect()
+}
+
 /// The base model of a log in the noise of a search, without what makes its predictions worse.
-pub(super) fn modelled<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Fit<'e> {
-    let base = fitted(search, ordinary).fit;
+pub(super) fn modelled<'e>(search: &Search<'e>, ordinary: &'e [Fitted], in_sensors: &Numbers) -> Fit<'e> {
+    let base = fitted(search, ordinary, Some(in_sensors)).fit;
     judge::useful(search, search.refitted(base.terms, &base.starts))
 }
 
@@ -175,13 +195,13 @@ pub(super) fn in_own_noise<'l>(
     subject: &Subject<'_>,
     along: &[Fitted],
     ordinary: &[Fitted],
-) -> Result<Shooting<'l>, NotPredictable> {
+) -> Result<(Shooting<'l>, Numbers), NotPredictable> {
     let (nominal, shooting) = (|| subject.model(log), subject.shooting(log, &subject.noise(log))?);
     let search = Search::new(&shooting, &nominal, &[], as_terms(along), &|_| ());
     disturbed(log, subject, &search, ordinary)
 }
 
-/// The same; `search` looked at it in that of sensors.
+/// The same, and the base model's numbers in the noise of the sensors, in which `search` looked at it.
 ///
 /// # Errors
 /// As [`Subject::windowed`].
@@ -190,8 +210,10 @@ pub(super) fn disturbed<'l>(
     subject: &Subject<'_>,
     search: &Search<'_>,
     ordinary: &[Fitted],
-) -> Result<Shooting<'l>, NotPredictable> {
-    in_noise_of(log, subject, search, &fitted(search, ordinary).fit)
+) -> Result<(Shooting<'l>, Numbers), NotPredictable> {
+    let fit = fitted(search, ordinary, None).fit;
+    let numbers = fit.terms.iter().map(|term| term.values.clone()).collect();
+    Ok((in_noise_of(log, subject, search, &fit)?, numbers))
 }
 
 /// A log in windows, in the noise of all that a model does not know.
@@ -212,8 +234,16 @@ pub(super) fn in_noise_of<'l>(
 /// Do commands act quicker than motors can? Beside a model's own motors they may; separate axes and level `box` have no
 /// other lag than this, and a fit without any has taken it for something else.
 pub(super) fn acts_at_once(terms: &[Term<'_>]) -> bool {
-    let lag = terms.iter().find(|term| term.effect.name() == "motor_lag");
-    lag.is_some_and(|lag| lag.values.iter().all(|lag_s| *lag_s < QUICKEST_MOTOR_S))
+    late_s(terms, "motor_lag").is_some_and(|lag_s| lag_s < QUICKEST_MOTOR_S)
+}
+
+/// The same where a delay may stand for a lag, as it does in logs that hardly tell one from the other.
+fn answers_at_once(terms: &[Term<'_>]) -> bool {
+    acts_at_once(terms) && late_s(terms, "actuation_delay").unwrap_or_default() < QUICKEST_MOTOR_S
+}
+
+fn late_s(terms: &[Term<'_>], name: &str) -> Option<f64> {
+    terms.iter().find(|term| term.effect.name() == name).and_then(|term| term.values.first().copied())
 }
 
 /// What the extended model has of the base model; empty where the nominal model's own numbers serve.

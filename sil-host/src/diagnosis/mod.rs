@@ -274,9 +274,9 @@ fn searched<T>(
     }
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
     let ordinary = known.leaves(base::ordinary_with_sensors(&scope, &sensors));
-    let shooting = base::disturbed(log, subject, &search, &ordinary)?;
+    let (shooting, in_sensors) = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
-    let base = base::modelled(&search, &ordinary);
+    let base = base::modelled(&search, &ordinary, &in_sensors);
     let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));
     let hypotheses = known.leaves(sensors.informed(beside));
     let search = search.from(&base, &hypotheses);

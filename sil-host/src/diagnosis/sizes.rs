@@ -61,9 +61,9 @@ pub fn sizes_beside_base(
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
     let sensors = Kinematics::of(log);
     let ordinary = base::ordinary_with_sensors(&scope, &sensors);
-    let shooting = base::disturbed(log, subject, &search, &ordinary)?;
+    let (shooting, in_sensors) = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
-    let base = base::fitted(&search, &ordinary).fit;
+    let base = base::fitted(&search, &ordinary, Some(&in_sensors)).fit;
     let beside = sensors.informed(Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis)));
     let terms = with_asked(base.terms, &beside, asked);
     let fit = fitted_to_all(&shooting, &nominal, terms);

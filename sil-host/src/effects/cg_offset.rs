@@ -99,6 +99,10 @@ impl Extension for CgOffset {
     fn moment(&self) -> Option<&dyn Moment> {
         Some(self)
     }
+
+    fn restores(&self) -> bool {
+        true
+    }
 }
 
 impl Moment for CgOffset {

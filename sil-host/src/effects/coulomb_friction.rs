@@ -61,6 +61,10 @@ impl Extension for CoulombFriction {
         Some(self)
     }
 
+    fn restores(&self) -> bool {
+        true
+    }
+
     fn turns_round_rad_s(&self) -> Option<f64> {
         (self.torque_nm != 0.0).then_some(RATE_SCALE_RAD_S)
     }

@@ -93,6 +93,11 @@ trait Extension {
         false
     }
 
+    /// True if its moment about an axis goes by that axis' own angle or rate.
+    fn restores(&self) -> bool {
+        false
+    }
+
     /// Longest step of an explicit integration that still follows it on a body of these principal moments, s.
     fn step_max_s(&self, _inertia_kg_m2: [f64; 3]) -> f64 {
         f64::INFINITY
@@ -275,6 +280,11 @@ impl Effect {
     /// True if its moment on a free vehicle depends on an angle.
     pub(crate) fn acts_by_angle(&self) -> bool {
         self.extension().acts_by_angle()
+    }
+
+    /// True if its moment about an axis goes by that axis' own angle or rate.
+    pub(crate) fn restores(&self) -> bool {
+        self.extension().restores()
     }
 
     /// Longest step of an explicit integration that still follows it on a body of these principal moments, s.

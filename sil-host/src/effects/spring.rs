@@ -74,6 +74,10 @@ impl Extension for Spring {
         Some(self)
     }
 
+    fn restores(&self) -> bool {
+        true
+    }
+
     fn acts_by_angle(&self) -> bool {
         true
     }

@@ -282,3 +282,28 @@ fn only_what_says_so_acts_by_an_angle_in_free_flight() {
         assert_eq!(moment_at(0.0, 0.0) != moment_at(0.4, -0.6), effect.acts_by_angle(), "{}", entry.name);
     }
 }
+
+/// A departure from a prediction goes on by itself but for what says so, on a rig at least.
+#[test]
+fn only_what_says_so_goes_by_its_own_axis() {
+    const RATE: [f64; 3] = [0.3, -0.7, 0.4];
+    let about = |effect: &Effect, rig: Rig, axis: usize, by: [f64; 2]| {
+        let lift_over_weight = (rig == Rig::Free).then_some(1.1);
+        let mut motion = Motion { rate_rad_s: RATE, ..at(0.2, -0.3, lift_over_weight) };
+        motion.angle_rad[axis] += by[0];
+        motion.rate_rad_s[axis] += by[1];
+        motion.roll = libm::sincos(motion.angle_rad[0]);
+        let mut moment = [0.0; 3];
+        effect.add(&motion, &mut moment);
+        moment[axis]
+    };
+    for entry in Effect::CATALOGUE {
+        let effects = entry.rigs.iter().filter_map(|rig| Some((Effect::parse(entry.example, *rig).ok()?, *rig)));
+        let goes = |(effect, rig): &(Effect, Rig)| {
+            let departs = |axis, by| about(effect, *rig, axis, by) != about(effect, *rig, axis, [0.0; 2]);
+            (0..3).any(|axis| departs(axis, [0.1, 0.0]) || departs(axis, [0.0, -2.0 * RATE[axis]]))
+        };
+        let effects: Vec<(Effect, Rig)> = effects.collect();
+        assert_eq!(effects.iter().any(goes), effects.iter().all(|(effect, _)| effect.restores()), "{}", entry.name);
+    }
+}

@@ -61,6 +61,10 @@ impl Extension for ViscousFriction {
         Some(self)
     }
 
+    fn restores(&self) -> bool {
+        true
+    }
+
     fn step_max_s(&self, inertia_kg_m2: [f64; 3]) -> f64 {
         0.5 * inertia_kg_m2[self.axis.index()] / self.coefficient_nms.abs()
     }

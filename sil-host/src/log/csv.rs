@@ -14,7 +14,7 @@ use super::messages::Table;
 use super::passage::Passage;
 use super::quantity::Quantity;
 use super::rate_of_change::rate_of_change;
-use super::recording::{Recording, Stream, StreamColumn};
+use super::recording::{Stream, StreamColumn};
 use super::style::Style;
 use super::{Content, Format, Log, note_gaps, source, time_base};
 use crate::axis::Axis;
@@ -77,10 +77,16 @@ fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'
         {
             return Err(error_in(file, Some(header_line), Some(name), kind));
         }
-        return merged(file, &names, &fields, rows, log)?.turned(turn_deg);
+        log.notes.push(format!("{} blank fields are missing values", rows.blanks));
+        return time_base::log_of_rows(file, stream_of(&names, &fields, rows), log)?.turned(turn_deg);
     }
-    for (field, column) in fields.iter().zip(rows.columns) {
-        log.set_column(field.quantity, column);
+    let stream = stream_of(&names, &fields, rows);
+    if time_base::has_repeats(&stream) {
+        return time_base::log_of_rows(file, stream, log)?.turned(turn_deg);
+    }
+    log.set_column(Quantity::Time, stream.time_s);
+    for column in stream.columns {
+        log.set_column(column.quantity, column.value);
     }
     if log.rows() < ROWS_MIN {
         return Err(error_in(file, None, None, LogErrorKind::TooFewRows(log.rows())));
@@ -131,31 +137,16 @@ fn all_blank(names: &[&str], fields: &[Field], rows: &Rows) -> Option<(String, L
     Some((quantity.name(), LogErrorKind::MissingColumn { reason, present: names.join(", ") }))
 }
 
-/// A log with missing values: each column has its own readings.
-fn merged(file: &str, names: &[&str], fields: &[Field], rows: Rows, log: Log) -> Result<Log, LogError> {
-    let note = format!("{} blank fields are missing values", rows.blanks);
+/// The rows as readings at their times.
+fn stream_of(names: &[&str], fields: &[Field], rows: Rows) -> Stream {
     let (mut stream, mut columns) = (Stream::at("rows", Vec::new()), Vec::new());
     for (field, value) in fields.iter().zip(rows.columns) {
         match field.quantity {
             Quantity::Time => stream.time_s = value,
-            quantity => {
-                columns.push(StreamColumn { quantity, source: field.called(names), value });
-            }
+            quantity => columns.push(StreamColumn { quantity, source: field.called(names), value }),
         }
     }
-    stream.columns = columns;
-    let recording = Recording { streams: vec![stream], ..Recording::default() };
-    let merged = time_base::log_of(file, recording, None)?;
-    Ok(Log {
-        comments: log.comments,
-        notes: log.notes.into_iter().chain([note]).chain(merged.notes).collect(),
-        axes: log.axes,
-        active_when: log.active_when,
-        motor_per_axis_command: log.motor_per_axis_command,
-        rig: log.rig,
-        flight_controller: None,
-        ..merged
-    })
+    Stream { columns, ..stream }
 }
 
 fn error_in(file: &str, line: Option<usize>, column: Option<String>, kind: LogErrorKind) -> LogError {

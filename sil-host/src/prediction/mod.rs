@@ -35,6 +35,7 @@ pub(crate) mod model;
 pub(crate) mod noise;
 mod past;
 pub(crate) mod predicted_log;
+pub(crate) mod restoring;
 mod rotor_step;
 mod scene;
 pub(crate) mod start_state;

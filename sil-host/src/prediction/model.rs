@@ -34,6 +34,8 @@ pub(crate) struct Model {
     turns_round_rad_s: [Option<f64>; 3],
     /// True where a moment beside the motors' goes by an angle of a free vehicle.
     acts_by_angle: bool,
+    /// True where one goes by its own axis' angle or rate.
+    pub(super) restores: bool,
 }
 
 /// What a log would report in the rows of a window.
@@ -88,6 +90,7 @@ impl Model {
             moments: Vec::new(),
             turns_round_rad_s: [None; 3],
             acts_by_angle: false,
+            restores: false,
         };
         vehicle.effects.iter().for_each(|effect| model.add(effect));
         model
@@ -104,6 +107,7 @@ impl Model {
             moments: Vec::new(),
             turns_round_rad_s: [None; 3],
             acts_by_angle: false,
+            restores: false,
         }
     }
 
@@ -116,6 +120,7 @@ impl Model {
         if effect.has_moment() {
             self.moments.push(Box::new(*effect));
             self.acts_by_angle |= effect.acts_by_angle();
+            self.restores |= effect.restores();
         }
         if let (Some(axis), Some(rate_rad_s)) = (effect.axis(), effect.turns_round_rad_s()) {
             self.turns_round_rad_s[axis.index()] = Some(rate_rad_s);

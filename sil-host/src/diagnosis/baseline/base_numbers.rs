@@ -31,9 +31,9 @@ pub(super) fn base_numbers(log: &Log, subject: &Subject<'_>) -> Result<Vec<Numbe
     // a late attitude that the model does not know would be taken for the vehicle's
     let ordinary = Kinematics::of(log).with_shown(&scope, base::ordinary_of_any(&scope));
     let along = subject.fitted_along(log)?;
-    let shooting = base::in_own_noise(log, subject, &along, &ordinary)?;
+    let (shooting, in_sensors) = base::in_own_noise(log, subject, &along, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
-    let base = base::fitted(&search, &ordinary).fit;
+    let base = base::fitted(&search, &ordinary, Some(&in_sensors)).fit;
     let fit = search.refitted(distinct(base.terms), &base.starts);
     Ok(numbers(&fit, subject, &shooting, &nominal))
 }

@@ -1,11 +1,13 @@
 //! The Kalman filter of an axis over a window: a motion's departure from its prediction as a double integrator that
 //! white acceleration drives, measured by the log's angle and rate. It turns residuals, and their slopes, into
-//! innovations of unit variance. Its gains depend on rows and noise alone, so that it is made once a window.
+//! innovations of unit variance. Its gains depend on rows and noise alone, so that it is made once a window; what
+//! brakes and springs make of a departure from row to row is the model's that is looked at ([`Restoring`]).
 
 use rayon::prelude::*;
 
 use crate::axis::Axis;
 use crate::prediction::Window;
+use crate::prediction::restoring::Restoring;
 use crate::prediction::windowed_log::WindowedLog;
 
 /// White noise of an axis.
@@ -122,11 +124,11 @@ impl AxisFilter {
         filter
     }
 
-    /// Turns residuals, or their slopes, channel by channel in units of each one's noise, into innovations of unit
-    /// variance.
-    pub(in crate::diagnosis) fn innovate(&self, residual: &mut [f64]) {
+    /// Turns residuals of a model, or their slopes, channel by channel in units of each one's noise, into innovations
+    /// of unit variance.
+    pub(in crate::diagnosis) fn innovate(&self, residual: &mut [f64], restoring: &Restoring) {
         // the motion's departure from its prediction, estimated from the rows so far
-        let (mut angle_rad, mut rate_rad_s) = (0.0, 0.0);
+        let [mut angle_rad, mut rate_rad_s] = [0.0; 2];
         let mut first = 0;
         for (end, step_s) in &self.rows {
             for Correction { at, slope, gain, deviation } in &self.corrections[first..*end] {
@@ -135,18 +137,19 @@ impl AxisFilter {
                 rate_rad_s += gain[1] * innovation;
                 residual[*at] = innovation / deviation;
             }
-            angle_rad += step_s * rate_rad_s;
+            [angle_rad, rate_rad_s] = restoring.after([angle_rad, rate_rad_s], *step_s);
             first = *end;
         }
     }
 }
 
-/// The filters that make innovations of each window's residuals; none for an axis whose noise is the sensors' alone.
-pub(super) fn filters(log: &WindowedLog<'_>, noise: &[AxisNoise; 3]) -> Vec<Vec<AxisFilter>> {
+/// The filters that make innovations of each window's residuals, with their axes; none for an axis whose noise is the
+/// sensors' alone.
+pub(super) fn filters(log: &WindowedLog<'_>, noise: &[AxisNoise; 3]) -> Vec<Vec<(Axis, AxisFilter)>> {
     let of_window = |window: &Window| {
         let noisy =
             Axis::ALL.into_iter().zip(noise).filter(|(_, noise)| log.lost.is_some() || **noise != AxisNoise::SENSORS);
-        noisy.map(|(axis, noise)| AxisFilter::new(&passage(log, axis, window), noise)).collect()
+        noisy.map(|(axis, noise)| (axis, AxisFilter::new(&passage(log, axis, window), noise))).collect()
     };
     log.windows.par_iter().map(of_window).collect()
 }

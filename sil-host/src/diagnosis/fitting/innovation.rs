@@ -124,7 +124,8 @@ impl Shooting<'_> {
                 let own = |column: &Residuals| -> Residuals {
                     shown.iter().flat_map(|channel| &column[channel * rows..(channel + 1) * rows]).copied().collect()
                 };
-                AxisWindow { passage, residual: own(residual), slopes: slopes.iter().map(own).collect() }
+                let restoring = self.log.restoring(driven, window, axis);
+                AxisWindow { passage, restoring, residual: own(residual), slopes: slopes.iter().map(own).collect() }
             };
             which.iter().zip(&left).map(window).collect()
         })

@@ -15,6 +15,7 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::fitting::axis_filter::{AxisFilter, AxisNoise, Passage};
+use crate::prediction::restoring::Restoring;
 use crate::prediction::windowed_log::Residuals;
 use crate::statistics::dot;
 
@@ -29,6 +30,7 @@ const COARSE: ([usize; 6], [usize; 3]) = ([0, 2, 6, 10, 14, 17], [0, 2, 4]);
 /// One window of an axis, with the channels that show it: residuals, and slopes along the start state.
 pub(in crate::diagnosis) struct AxisWindow<'a> {
     pub(in crate::diagnosis) passage: Passage<'a>,
+    pub(in crate::diagnosis) restoring: Restoring,
     pub(in crate::diagnosis) residual: Residuals,
     pub(in crate::diagnosis) slopes: Vec<Residuals>,
 }
@@ -72,12 +74,12 @@ fn neighbours((strength, sensors): (usize, usize)) -> Vec<(usize, usize)> {
 pub(in crate::diagnosis) fn unlikeliness(window: &AxisWindow<'_>, noise: &AxisNoise) -> f64 {
     let mut left = window.residual.clone();
     let filter = AxisFilter::new(&window.passage, noise);
-    filter.innovate(&mut left);
+    filter.innovate(&mut left, &window.restoring);
     let mut basis: Vec<Vec<f64>> = Vec::new();
     // Gram and Schmidt: what the start state can explain is taken out
     for slope in &window.slopes {
         let mut column = slope.clone();
-        filter.innovate(&mut column);
+        filter.innovate(&mut column, &window.restoring);
         for other in &basis {
             let along = dot(other, &column);
             column.iter_mut().zip(other).for_each(|(value, other)| *value -= along * other);
@@ -130,7 +132,8 @@ mod tests {
     fn innovations_are_white_and_of_unit_variance() {
         let noise = AxisNoise { acceleration: 0.5, sensors: 2.0, lost: 1.0 };
         let (times, mut channels) = seen(0.5, 2.0, 4000, 1);
-        AxisFilter::new(&passage(&times, &[(0, ANGLE), (1, RATE)]), &noise).innovate(&mut channels);
+        AxisFilter::new(&passage(&times, &[(0, ANGLE), (1, RATE)]), &noise)
+            .innovate(&mut channels, &Restoring::default());
         let (angle, rate) = channels.split_at(4000);
         for channel in [angle, rate] {
             let variance = dot(channel, channel) / 4000.0;
@@ -146,11 +149,12 @@ mod tests {
     fn without_a_disturbance_residuals_stay_as_they_are() {
         let (times, before) = seen(0.5, 1.0, 50, 2);
         let mut channels = before.clone();
-        AxisFilter::new(&passage(&times, &[(0, ANGLE), (1, RATE)]), &AxisNoise::SENSORS).innovate(&mut channels);
+        AxisFilter::new(&passage(&times, &[(0, ANGLE), (1, RATE)]), &AxisNoise::SENSORS)
+            .innovate(&mut channels, &Restoring::default());
         assert_eq!(channels, before);
         let mut rate = before[50..].to_vec();
         let twice = AxisNoise { sensors: 2.0, ..AxisNoise::SENSORS };
-        AxisFilter::new(&passage(&times, &[(0, RATE)]), &twice).innovate(&mut rate);
+        AxisFilter::new(&passage(&times, &[(0, RATE)]), &twice).innovate(&mut rate, &Restoring::default());
         assert!(rate.iter().zip(&before[50..]).all(|(white, rate)| (2.0 * white - rate).abs() < 1e-12));
     }
 
@@ -160,9 +164,9 @@ mod tests {
         let disturbed = passage(&times, &[(0, ANGLE), (1, RATE)]);
         let (mut by_noise, mut by_lost) = (residual.clone(), residual);
         let noise = AxisNoise { acceleration: 0.5, ..AxisNoise::SENSORS };
-        AxisFilter::new(&disturbed, &noise).innovate(&mut by_noise);
+        AxisFilter::new(&disturbed, &noise).innovate(&mut by_noise, &Restoring::default());
         let lost = Passage { lost: &[0.5; 50], ..disturbed };
-        AxisFilter::new(&lost, &AxisNoise::SENSORS).innovate(&mut by_lost);
+        AxisFilter::new(&lost, &AxisNoise::SENSORS).innovate(&mut by_lost, &Restoring::default());
         assert_eq!(by_noise, by_lost);
     }
 
@@ -176,7 +180,8 @@ mod tests {
                     let ones = [vec![1.0 / 1e-3; 125], vec![0.0; 125]].concat();
                     let ramp = [times.iter().map(|time_s| time_s / 1e-3).collect(), vec![1.0 / 5e-3; 125]].concat();
                     let passage = passage(times, &[(0, ANGLE), (1, RATE)]);
-                    AxisWindow { passage, residual: residual.clone(), slopes: vec![ones, ramp] }
+                    let restoring = Restoring::default();
+                    AxisWindow { passage, restoring, residual: residual.clone(), slopes: vec![ones, ramp] }
                 })
                 .collect();
             assert_eq!(most_likely(&windows, 1.0), AxisNoise { acceleration, sensors, lost: 1.0 });

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::axis::Axis;
 use crate::diagnosis::fitting::axis_filter::{AxisFilter, AxisNoise, filters};
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
 use crate::diagnosis::fitting::linearisation::{Linearisation, StartSlopes, WindowLinear, slopes, turned};
@@ -26,7 +27,7 @@ pub(in crate::diagnosis) struct Shooting<'a> {
     /// Noise of the channels that show forces, beyond their sensors'; none where those are all.
     pub(in crate::diagnosis) carried: Vec<CarriedNoise>,
     /// Per window, what makes innovations of its residuals.
-    filters: Vec<Vec<AxisFilter>>,
+    filters: Vec<Vec<(Axis, AxisFilter)>>,
 }
 
 impl<'a> Shooting<'a> {
@@ -44,7 +45,9 @@ impl<'a> Shooting<'a> {
     /// Innovations of one of the log's windows: residuals as least squares take them.
     pub(super) fn innovations(&self, driven: &Driven, window: &Window, start: &State) -> Residuals {
         let mut residual = self.log.residual(driven, window, start);
-        self.filters[window.index].iter().for_each(|filter| filter.innovate(&mut residual));
+        for (axis, filter) in &self.filters[window.index] {
+            filter.innovate(&mut residual, &self.log.restoring(driven, window, *axis));
+        }
         self.whiten(window, &mut residual);
         residual
     }

@@ -51,9 +51,9 @@ pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<Be
     let (first, second) = (|progress| show(progress, 0, observer), |progress| show(progress, 1, observer));
     let in_sensors = subject.shooting(log, &subject.noise(log))?;
     let search = Search::new(&in_sensors, &nominal, &[], as_terms(&along), &first);
-    let shooting = base::disturbed(log, &subject, &search, &ordinary)?;
+    let (shooting, in_sensors) = base::disturbed(log, &subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &second);
-    let base = base::fitted(&search, &ordinary).fit;
+    let base = base::fitted(&search, &ordinary, Some(&in_sensors)).fit;
     let search = search.from(&base, &[]);
     let fit = search.refitted(base.terms, &base.starts);
     let seen = seen::axes(&search, &fit);

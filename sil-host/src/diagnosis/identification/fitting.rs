@@ -83,7 +83,7 @@ pub(super) fn rough(log: &Log, start: &VehicleModel, observer: Observer<'_>) -> 
     let nominal = || subject.model(log);
     let shooting = subject.shooting(log, &subject.noise(log))?;
     let search = Search::new(&shooting, &nominal, &[], curve.collect(), &observer);
-    let fit = base::fitted(&search, others).fit;
+    let fit = base::fitted(&search, others, None).fit;
     let values = fit.terms.iter().map(|term| if is_own(term.effect) { vec![1.0] } else { term.values.clone() });
     Ok(Rough { model: with_assumed_yaw(folded(start, &fit.terms)), values: values.collect() })
 }

@@ -1,14 +1,16 @@
 //! From a [`Recording`] of several rates to a [`Log`] of rows, by the rules of `recording.rs`.
 
 mod readings;
+mod repeats;
 #[cfg(test)]
 mod tests;
 
 use self::readings::{Between, Readings, put_in_order};
+pub(super) use self::repeats::has_repeats;
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
 use super::map::{Map, Threshold};
 use super::quantity::Quantity;
-use super::recording::Recording;
+use super::recording::{Recording, Stream};
 use super::{Log, note_gaps};
 use crate::axis::Axis;
 
@@ -36,6 +38,7 @@ pub(super) fn log_of(file: &str, recording: Recording, map: Option<&Map>) -> Res
             let name = &stream.name;
             log.notes.push(format!("{name}: {gone} readings replaced by the next one, whose time is not later"));
         }
+        repeats::take_out(stream, &mut log.notes);
     }
     let recording = Recording { streams, ..Recording::default() };
     let mut all = Vec::new();
@@ -53,6 +56,26 @@ pub(super) fn log_of(file: &str, recording: Recording, map: Option<&Map>) -> Res
     log.sent_commands = quantities.sent_beside(&log.time_s).map(Box::new);
     describe(&mut log, &quantities, rows_s.len(), map);
     log.turned(frame_turn_deg)
+}
+
+/// A log of rows some of whose values are missing, or no readings: each column has its own. What a map said is in
+/// `log`.
+///
+/// # Errors
+/// As [`log_of`].
+pub(super) fn log_of_rows(file: &str, stream: Stream, log: Log) -> Result<Log, LogError> {
+    let recording = Recording { streams: vec![stream], ..Recording::default() };
+    let merged = log_of(file, recording, None)?;
+    Ok(Log {
+        comments: log.comments,
+        notes: log.notes.into_iter().chain(merged.notes).collect(),
+        axes: log.axes,
+        active_when: log.active_when,
+        motor_per_axis_command: log.motor_per_axis_command,
+        rig: log.rig,
+        flight_controller: None,
+        ..merged
+    })
 }
 
 /// The rows at which every quantity is there.
