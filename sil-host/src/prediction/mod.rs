@@ -7,6 +7,7 @@
 //! model: commands -> forces (force_track) -> rotation and flight (body) -> what the sensors report, row by row (model)
 //! start state of a window from the rows around its start (start_state) -> open loop to the end of the window
 //!     -> measured less predicted; the error of an exact model: the noise floor (accuracy)
+//!     -> how a departure from it comes back, by the model's brakes and springs (restoring)
 //!     -> a whole log (predicted_log)
 //! ```
 //!

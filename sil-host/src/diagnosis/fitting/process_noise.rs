@@ -9,8 +9,8 @@
 //!
 //! Per axis the disturbance drives a double integrator (over a few milliseconds every vehicle is one), measured by the
 //! log's angle and rate. A Kalman filter on it (`axis_filter`) turns a window's residuals, and their slopes, into
-//! innovations of unit variance; the filter does not depend on the model's parameters, so that all else of the fit
-//! stays as it is. Strength and the sensors' share are those of the greatest likelihood.
+//! innovations of unit variance; its gains do not depend on the model's parameters, and how a departure comes back to
+//! the prediction is the model's ([`Restoring`]). Strength and the sensors' share are those of the greatest likelihood.
 
 use rayon::prelude::*;
 
