@@ -11,5 +11,5 @@ pub(crate) use admissible::{Admissible, admissible};
 pub use error::{ModelError, Position, Problem};
 pub(crate) use key_read::{Holds, KeyRead};
 pub(crate) use section::{Replaced, Section, Source};
-pub(crate) use spelling::with_hint;
+pub(crate) use spelling::{did_you_mean, with_hint};
 pub(crate) use table::Table;

@@ -54,8 +54,8 @@ pub enum LogErrorKind {
     TimeRunsBack { reading: usize, before: f64, now: f64, gone: usize },
     #[error("{0}: a wrong unit or a broken sensor")]
     MostlyOutOfRange(String),
-    #[error("the log holds no {wanted}; it holds: {}", under_known_names(.here))]
-    NoReadings { wanted: &'static str, here: String },
+    #[error("the log holds no {wanted}; it holds: {}{}", under_known_names(.here), for_a_map(.unknown))]
+    NoReadings { wanted: &'static str, here: String, unknown: Vec<String> },
     #[error("expected at least {ROWS_MIN} rows with rates, angles and commands, found {rows}; it holds {streams}")]
     TooFewRowsInCommon { rows: usize, streams: String },
     #[error("{0}")]
@@ -98,6 +98,12 @@ pub enum LogErrorKind {
     MapSyntax(String),
     #[error("no such file, and no built-in map of that name; built in are: {0}")]
     NoSuchMap(String),
+}
+
+/// Fields whose meaning only their owner knows.
+fn for_a_map(unknown: &[String]) -> String {
+    let fields = unknown.join(", ");
+    if unknown.is_empty() { fields } else { format!("; what these mean a map may say (--map): {fields}") }
 }
 
 /// What a log holds, or that it holds nothing under a name that is known.

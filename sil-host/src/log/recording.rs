@@ -27,8 +27,8 @@
 //! A map names a field itself (`vehicle_attitude.rollspeed`), where the conventions are wrong for a vehicle.
 
 use super::error::{LogError, LogErrorKind};
-use super::map::{Map, MappedColumn, Term};
-use super::messages::{Messages, Table};
+use super::map::{Map, Term};
+use super::messages::{Messages, NoField, Table};
 use super::quantity::Quantity;
 use super::rate_of_change::rate_of_change;
 
@@ -43,6 +43,8 @@ pub struct Recording {
     pub facts: Vec<Fact>,
     /// What was damaged or left out.
     pub notes: Vec<String>,
+    /// Fields of which nobody here knows what they mean, where a format has a few of its owner's choice.
+    pub unknown_fields: Vec<String>,
     /// By how much the body axes are to be turned so that the motors stand as an X ([`super::Log::turned`]), deg.
     pub frame_turn_deg: f64,
 }
@@ -174,37 +176,33 @@ impl Recording {
     /// # Errors
     /// The file lacks a field.
     pub(super) fn by_map(self, file: &str, messages: &Messages, map: &Map) -> Result<Recording, LogError> {
-        let missing = |field: String, taken_for: Quantity| LogError {
+        let missing = |field: &str, taken_for: Quantity, NoField { hint, present }: NoField| LogError {
             file: file.to_owned(),
             line: None,
-            column: Some(field),
+            column: Some(field.to_owned()),
             kind: LogErrorKind::MissingColumn {
-                reason: format!("no such field, which the map {} takes for {}", map.name, taken_for.name()),
-                present: messages.tables.keys().cloned().collect::<Vec<_>>().join(", "),
+                reason: format!("no such field, which the map {} takes for {}{hint}", map.name, taken_for.name()),
+                present,
             },
         };
         let (times, values): (Vec<_>, Vec<_>) =
             map.columns.iter().partition(|mapped| mapped.quantity == Quantity::Time);
         let mut streams: Vec<Stream> = Vec::new();
         for mapped in values {
-            let lacking = |field: &str| missing(field.to_owned(), mapped.quantity);
             let first = mapped.terms.first().map_or("", |term| term.column.as_str());
-            // a field's name may have dots of its own
-            let kinds = messages.tables.keys().filter(|kind| first.starts_with(&format!("{kind}.")));
-            let kind = kinds.max_by_key(|kind| kind.len()).ok_or_else(|| lacking(first))?;
+            let kind = messages.kind_of(first).map_err(|no| missing(first, mapped.quantity, no))?;
             let mut value = vec![mapped.offset; messages.table(kind).map_or(0, Table::rows)];
             for Term { column, scale } in &mapped.terms {
-                let field = column.strip_prefix(&format!("{kind}.")).ok_or_else(|| lacking(column))?;
-                let readings = messages.column(kind, field).ok_or_else(|| lacking(column))?;
+                let readings = messages.of_kind(kind, column).map_err(|no| missing(column, mapped.quantity, no))?;
                 value.iter_mut().zip(readings).for_each(|(value, reading)| *value += scale * reading);
             }
             if streams.iter().all(|stream| stream.name != *kind) {
-                let of = |time: &MappedColumn| Some((messages.column(kind, &time.called())?, time.clone()));
-                let time = times.first().and_then(|time| of(time));
-                let (stamps, time) = time.ok_or_else(|| missing(format!("{kind} (time)"), Quantity::Time))?;
+                let time = times.first().ok_or_else(|| missing("time", Quantity::Time, NoField::default()))?;
+                let called = time.called();
+                let field = messages.without_kind(&called);
+                let stamps = messages.of_kind(kind, field).map_err(|no| missing(field, Quantity::Time, no))?;
                 let scale = time.terms.first().map_or(1.0, |term| term.scale);
-                let time_s = stamps.iter().map(|stamp| scale * stamp + time.offset).collect();
-                streams.push(Stream::at(kind, time_s));
+                streams.push(Stream::at(kind, stamps.iter().map(|stamp| scale * stamp + time.offset).collect()));
             }
             if let Some(stream) = streams.iter_mut().find(|stream| stream.name == *kind) {
                 let value = if mapped.is_rate { rate_of_change(&stream.time_s, &value) } else { value };

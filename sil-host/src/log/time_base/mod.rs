@@ -29,7 +29,7 @@ pub(super) fn log_of(file: &str, recording: Recording, map: Option<&Map>) -> Res
         column: column.map(str::to_owned),
         kind,
     };
-    let Recording { flight_controller, mut streams, facts, notes, frame_turn_deg } = recording;
+    let Recording { flight_controller, mut streams, facts, notes, unknown_fields, frame_turn_deg } = recording;
     let mut log =
         Log { path: file.to_owned(), flight_controller: Some(flight_controller), facts, notes, ..Log::default() };
     for stream in &mut streams {
@@ -46,7 +46,7 @@ pub(super) fn log_of(file: &str, recording: Recording, map: Option<&Map>) -> Res
         let readings = Readings::of(stream, column, &mut log.notes).map_err(|kind| fail(Some(&column.source), kind))?;
         all.extend(readings);
     }
-    let quantities = Quantities::of(all).map_err(|kind| fail(None, kind))?;
+    let quantities = Quantities::of(all, &unknown_fields).map_err(|kind| fail(None, kind))?;
     let (quantities, rows_s) = quantities.covering_rows(&mut log.notes);
     fill(&mut log, &quantities, &rows_s);
     if log.rows() < ROWS_MIN {
@@ -133,7 +133,7 @@ struct Quantities<'a> {
 
 impl<'a> Quantities<'a> {
     /// Of all that were recorded: motors if there are four, else axis commands.
-    fn of(mut all: Vec<Readings<'a>>) -> Result<Quantities<'a>, LogErrorKind> {
+    fn of(mut all: Vec<Readings<'a>>, unknown: &[String]) -> Result<Quantities<'a>, LogErrorKind> {
         let is_motor = |quantity: Quantity| matches!(quantity, Quantity::Motor(_));
         let is_axis_command = |quantity: Quantity| matches!(quantity, Quantity::Command(_));
         let motors = all.iter().filter(|readings| is_motor(readings.quantity)).count();
@@ -141,7 +141,7 @@ impl<'a> Quantities<'a> {
             |readings| !if motors == 4 { is_axis_command(readings.quantity) } else { is_motor(readings.quantity) },
         );
         let here: Vec<String> = all.iter().map(|readings| readings.quantity.name()).collect();
-        let missing = |wanted| LogErrorKind::NoReadings { wanted, here: here.join(", ") };
+        let missing = |wanted| LogErrorKind::NoReadings { wanted, here: here.join(", "), unknown: unknown.to_vec() };
         let rates = all.iter().position(|readings| matches!(readings.quantity, Quantity::Rate(_)));
         let angles = all.iter().position(|readings| matches!(readings.quantity, Quantity::Angle(_)));
         let Some(rows) = rates.or(angles) else { return Err(missing("body rates or angles")) };

@@ -1,30 +1,21 @@
 //! The Crazyflie's logs on its uSD card, as its own decoder reads them (crazyflie-firmware, tools/usdlog/cfusdlog.py):
 //! a head that names the events and their variables, then the events. There is no crate that reads them.
-//!
-//! Variables have the names of the firmware's log variables: `gyro.x` in degrees per second and `acc.x` in g, body axes
-//! forward-left-up; `stateEstimate.pitch` in degrees, nose up positive, although the rest is forward-left-up
-//! (bitcraze.io, "The coordinate system of the Crazyflie"); `motor.m1` a duty cycle up to 65535; motors front right,
-//! rear right, rear left, front left, the first counter-clockwise.
+
+mod crazyflie;
 
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;
 use super::messages::{Messages, Table};
 use super::passage::Passage;
-use super::quantity::{GRAVITY_M_S2, Quantity};
-use super::recording::{Fact, FactValue, Recording, Stream};
+use super::recording::Recording;
 use super::{Content, Format};
-use crate::axis::Axis;
 
 /// First byte; the version follows, 16 bits.
 const MAGIC: u8 = 0xbc;
 /// Checksum at the end, CRC-32.
 const CHECKSUM_BYTES: usize = 4;
-/// Our motors 1 to 4 in the Crazyflie's names.
-const MOTORS: [&str; 4] = ["m1", "m3", "m4", "m2"];
 /// Name of the time in every event, ms as its own decoder gives it.
 const TIMESTAMP: &str = "timestamp";
-
-const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
 /// Recognised by its first bytes alone: such files have no extension.
 pub(super) const FORMAT: Format = Format {
@@ -41,7 +32,7 @@ fn read(file: &str, bytes: &[u8], map: Option<&Map>, passage: &Passage<'_>) -> R
         Recording { flight_controller: "Crazyflie".to_owned(), notes: messages.notes.clone(), ..Recording::default() };
     match map {
         Some(map) => recording.by_map(file, &messages, map),
-        None => Ok(translated(&messages, recording)),
+        None => Ok(crazyflie::translated(&messages, recording)),
     }
 }
 
@@ -164,54 +155,14 @@ fn size(kind: char) -> Option<usize> {
     }
 }
 
-/// Every event with variables that have a meaning here, as a stream of its own.
-fn translated(messages: &Messages, mut recording: Recording) -> Recording {
-    let flu = |axis: Axis, unit: f64| if axis == Axis::Roll { unit } else { -unit };
-    for (name, table) in &messages.tables {
-        let Some(stamps_ms) = table.column(TIMESTAMP) else { continue };
-        let mut stream = Stream::at(name, stamps_ms.iter().map(|stamp_ms| stamp_ms * 1e-3).collect());
-        for axis in Axis::ALL {
-            let letter = ["x", "y", "z"][axis.index()];
-            let down = if axis == Axis::Yaw { -1.0 } else { 1.0 };
-            stream = stream.with(messages, &format!("gyro.{letter}"), Quantity::Rate(axis), flu(axis, DEGREE_RAD));
-            stream = stream.with(messages, &format!("acc.{letter}"), Quantity::Accel(axis), flu(axis, GRAVITY_M_S2));
-            // pitch is nose up already, yaw counts to the left
-            let angles = [("stateEstimate", Quantity::Angle(axis)), ("controller", Quantity::Reference(axis))];
-            for (group, quantity) in angles {
-                stream = stream.with(messages, &format!("{group}.{}", axis.name()), quantity, down * DEGREE_RAD);
-            }
-            // the world's x, y, z: forward, left and up at the start, taken for north, west and up
-            let velocity = format!("stateEstimate.v{letter}");
-            stream = stream.with(messages, &velocity, Quantity::Velocity(axis), flu(axis, 1.0));
-        }
-        for (motor, theirs) in MOTORS.into_iter().enumerate() {
-            stream = stream.with(messages, &format!("motor.{theirs}"), Quantity::Motor(motor), 1.0 / 65535.0);
-        }
-        stream = stream.with(messages, "pm.vbat", Quantity::Battery, 1.0);
-        stream = stream.with(messages, "stateEstimate.z", Quantity::Height, 1.0);
-        if !stream.columns.is_empty() {
-            recording.streams.push(stream);
-        }
-    }
-    // the densest gyro first
-    recording.streams.sort_by_key(|stream| core::cmp::Reverse(stream.time_s.len()));
-    let assumed = [
-        ("frame", "body forward-left-up, motors m1 front right, m2 rear right, m3 rear left, m4 front left"),
-        ("motor_order", "ours are m1, m3, m4, m2; m1 and m3 turn counter-clockwise"),
-        ("output", "the duty cycle over 65535"),
-    ];
-    recording.facts.extend(
-        assumed.map(|(name, text)| Fact::assumed(name, FactValue::Text(text.to_owned()), "as every Crazyflie 2.1")),
-    );
-    recording
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use std::path::Path;
 
+    use super::super::quantity::Quantity;
     use super::super::{Log, parse_bytes};
     use super::*;
+    use crate::axis::Axis;
 
     /// A file as the firmware writes it: one event of gyro and motors at 1 kHz, one of the attitude at 100 Hz.
     pub fn file(version: u16) -> Vec<u8> {
