@@ -54,8 +54,8 @@ pub enum LogErrorKind {
     TimeRunsBack { reading: usize, before: f64, now: f64, gone: usize },
     #[error("{0}: a wrong unit or a broken sensor")]
     MostlyOutOfRange(String),
-    #[error("the log holds no {wanted}; it holds: {}{}", under_known_names(.here), for_a_map(.unknown))]
-    NoReadings { wanted: &'static str, here: String, unknown: Vec<String> },
+    #[error("the log holds no {wanted}; it holds: {here}")]
+    NoReadings { wanted: &'static str, here: String },
     #[error("expected at least {ROWS_MIN} rows with rates, angles and commands, found {rows}; it holds {streams}")]
     TooFewRowsInCommon { rows: usize, streams: String },
     #[error("{0}")]
@@ -100,15 +100,14 @@ pub enum LogErrorKind {
     NoSuchMap(String),
 }
 
-/// Fields whose meaning only their owner knows.
-fn for_a_map(unknown: &[String]) -> String {
+/// What a log holds, by names that are known here, and the fields of which only its owner knows what they mean.
+pub(super) fn held(known: &[String], unknown: &[String]) -> String {
+    let known = match known {
+        [] => "nothing under a name that is known here (a --map names the fields)".to_owned(),
+        known => known.join(", "),
+    };
     let fields = unknown.join(", ");
-    if unknown.is_empty() { fields } else { format!("; what these mean a map may say (--map): {fields}") }
-}
-
-/// What a log holds, or that it holds nothing under a name that is known.
-fn under_known_names(here: &str) -> &str {
-    if here.is_empty() { "nothing under a name that is known here (a --map names the fields)" } else { here }
+    if unknown.is_empty() { known } else { format!("{known}; what these mean a map may say (--map): {fields}") }
 }
 
 fn listed(contradictions: &[Contradiction]) -> String {

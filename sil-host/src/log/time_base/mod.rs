@@ -7,7 +7,7 @@ mod tests;
 
 use self::readings::{Between, Readings, put_in_order};
 pub(super) use self::repeats::has_repeats;
-use super::error::{LogError, LogErrorKind, ROWS_MIN};
+use super::error::{LogError, LogErrorKind, ROWS_MIN, held};
 use super::map::{Map, Threshold};
 use super::quantity::Quantity;
 use super::recording::{Recording, Stream};
@@ -141,7 +141,7 @@ impl<'a> Quantities<'a> {
             |readings| !if motors == 4 { is_axis_command(readings.quantity) } else { is_motor(readings.quantity) },
         );
         let here: Vec<String> = all.iter().map(|readings| readings.quantity.name()).collect();
-        let missing = |wanted| LogErrorKind::NoReadings { wanted, here: here.join(", "), unknown: unknown.to_vec() };
+        let missing = |wanted| LogErrorKind::NoReadings { wanted, here: held(&here, unknown) };
         let rates = all.iter().position(|readings| matches!(readings.quantity, Quantity::Rate(_)));
         let angles = all.iter().position(|readings| matches!(readings.quantity, Quantity::Angle(_)));
         let Some(rows) = rates.or(angles) else { return Err(missing("body rates or angles")) };
