@@ -81,7 +81,7 @@ use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
 pub use identification::{
-    BenchIdentification, Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify,
+    BenchIdentification, Flown, Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify,
     identify_axes, identify_axes_observed, identify_observed, manoeuvres_for, mismatch,
 };
 use kinematics::Kinematics;

@@ -17,6 +17,7 @@
 mod bench;
 mod file;
 mod fitting;
+mod flown;
 mod folding;
 mod mismatch;
 mod numbers;
@@ -29,6 +30,7 @@ use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;
 pub use bench::{BenchIdentification, identify_axes, identify_axes_observed};
+pub use flown::Flown;
 pub use mismatch::mismatch;
 pub use numbers::{Identified, effectiveness_rad_s2, manoeuvres_for};
 
@@ -59,10 +61,10 @@ pub enum NotIdentified {
     /// No window shows what the motors do about roll or pitch.
     #[error(
         "what the motors do about roll or pitch does not show: the log is too short, too quiet or too slow to identify \
-         a vehicle, or something else moves it more; fly steps of roll and pitch to 20 degrees for 15 s, logged at 100 \
-         rows/s or more"
+         a vehicle, or something else moves it more. Here: {0}. Wanted: steps of roll and pitch to 20 degrees for 15 s, \
+         logged at 100 rows/s or more"
     )]
-    Quiet,
+    Quiet(Flown),
     /// The numbers fit no vehicle.
     #[error("what was fitted is no vehicle: {0}")]
     Impossible(String),
@@ -105,7 +107,7 @@ pub fn identify_observed(
     let rough = fitting::rough(log, &start, observer)?;
     let (model, numbers) = fitting::fine(log, &rough, observer)?;
     if numbers.iter().filter(|number| number.is_of_tilt()).all(|number| number.to_fly.is_some()) {
-        return Err(NotIdentified::Quiet);
+        return Err(NotIdentified::Quiet(Flown::of(log)));
     }
     let model = VehicleModel::parse(&model.to_toml(), "the identified model")
         .map_err(|error| NotIdentified::Impossible(error.to_string()))?;
