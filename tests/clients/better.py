@@ -20,6 +20,7 @@ from pymavlink.dialects.v20 import common as mavlink
 import board
 import connect
 import logs
+from attitude import roll_pitch_rad
 from served import Board, Stopwatch, expect
 
 EFFECTS = {"thrust_scale": ("scale", 2.0), "motor_lag": ("time_constant_s", 0.01)}
@@ -97,9 +98,7 @@ def fly(ground):
         expect(message is not None, "telemetry goes on")
         time_s = message.time_boot_ms / 1000
         if message.get_type() == "ATTITUDE_TARGET":
-            w, x, y, z = message.q
-            target = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)), math.asin(2 * (w * y - z * x))
-            targets.append((time_s, target))
+            targets.append((time_s, roll_pitch_rad(message.q)))
         else:
             attitudes.append((time_s, (message.roll, message.pitch)))
     expect(ground.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0) == connect.ACCEPTED, "disarmed")

@@ -18,6 +18,7 @@ from pymavlink import mavutil
 from pyulog import ULog
 from pyulog.px4 import PX4ULog
 
+from attitude import roll_pitch_rad
 from bad_link import BadLink
 from served import Served, Stopwatch, expect, mavproxy
 
@@ -141,10 +142,8 @@ def held_against_telemetry(path, heard):
         compared += 1
         for place, name in enumerate(["rollspeed", "pitchspeed", "yawspeed"]):
             expect(velocity[f"xyz[{place}]"][row] == numpy.float32(getattr(message, name)), f"{name} of {message}")
-        w, x, y, z = (float(attitude[f"q[{place}]"][row]) for place in range(4))
         # the vehicle's arc tangent is one of 32 bit numbers
-        roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
-        pitch = math.asin(2 * (w * y - z * x))
+        roll, pitch = roll_pitch_rad(float(attitude[f"q[{place}]"][row]) for place in range(4))
         expect(abs(roll - message.roll) < 1e-5 and abs(pitch - message.pitch) < 1e-5, f"{roll} {pitch} {message}")
     expect(compared > 20, f"{compared} attitudes")
     expect(max(abs(message.roll) for message in heard["ATTITUDE"]) > 0.05, "it moved")

@@ -18,6 +18,8 @@ import time
 
 from pymavlink.dialects.v20 import common as mavlink
 
+from attitude import roll_pitch_rad
+
 GRAVITY_M_S2 = 9.80665
 MASS_KG = 1.535
 INERTIA_KG_M2 = (0.029125, 0.029125, 0.055225)
@@ -54,10 +56,7 @@ class Quadrotor:
                 (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
 
     def angles_deg(self):
-        w, x, y, z = self.q
-        roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
-        pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
-        return math.degrees(roll), math.degrees(pitch)
+        return tuple(math.degrees(angle) for angle in roll_pitch_rad(self.q))
 
     def advance(self, controls, armed, duration_s):
         thrusts = []

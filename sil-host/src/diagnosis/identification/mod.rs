@@ -60,9 +60,9 @@ pub enum NotIdentified {
     NoMotors,
     /// No window shows what the motors do about roll or pitch.
     #[error(
-        "what the motors do about roll or pitch does not show: the log is too short, too quiet or too slow to identify \
-         a vehicle, or something else moves it more. Here: {0}. Wanted: steps of roll and pitch to 20 degrees for 15 s, \
-         logged at 100 rows/s or more"
+        "what the motors do about roll or pitch does not show: the log is too short, too quiet or too slow to \
+         identify a vehicle, or something else moves it more. Here: {0}. Wanted: steps of roll and pitch to 20 degrees \
+         for 15 s, logged at 100 rows/s or more"
     )]
     Quiet(Flown),
     /// The numbers fit no vehicle.
