@@ -44,11 +44,10 @@ const LANES: usize = 2;
 
 /// In the order in which they begin: quick ones, then by turns what builds for the host and what does not, because
 /// cargo lets one build at a time into a folder. What takes long is not last.
-const STEPS: [Step; 19] = [
+const STEPS: [Step; 18] = [
     step("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
     step("tidy", tidy::run),
     step("clippy", clippy),
-    step("core for the target", |workspace| Target::find(workspace)?.check_core()),
     step("firmware image", px4::run),
     step("test", |workspace| process::run(&mut workspace.cargo("test"))),
     step("the page", |workspace| page::build(workspace).map(drop)),

@@ -73,10 +73,13 @@ impl<'a> Target<'a> {
         process::run(command.args(["--package", "shared-control"]).args(RELEASE))
     }
 
-    /// Lints both as compiled for the target; much of the firmware does not even exist on a host.
+    /// Lints both as compiled for the target; much of the firmware does not even exist on a host. The core by itself
+    /// first, which is [`Self::check_core`] too: beside the firmware its dependencies may have features of the latter's.
     pub(crate) fn clippy(&self) -> Result<()> {
-        let mut command = self.toolchain.clippy(self.workspace)?;
-        command.args(["--package=firmware", "--package=shared-control", "--", "-D", "warnings"]);
-        process::run(&mut command)
+        for packages in [&["--package=shared-control"][..], &["--package=firmware", "--package=shared-control"]] {
+            let mut command = self.toolchain.clippy(self.workspace)?;
+            process::run(command.args(packages).args(["--", "-D", "warnings"]))?;
+        }
+        Ok(())
     }
 }

@@ -149,16 +149,22 @@ fn has_extension(path: &Path, extension: &str) -> bool {
     name.ends_with(&format!(".{extension}"))
 }
 
-/// One note for all gaps: longer ones cut windows, so the reader of a report should know.
+/// A note for all gaps that cut windows, because the reader of a report should know, and one for all shorter pauses.
 fn note_gaps(log: &mut Log) {
     let longest_regular_s = log.longest_regular_step_s();
     let steps = log.time_s.windows(2).map(|t| t[1] - t[0]);
-    let gaps: Vec<f64> = steps.filter(|step| *step > longest_regular_s).collect();
-    if let Some(longest) = gaps.iter().copied().reduce(f64::max) {
-        let count = gaps.len();
-        log.notes.push(format!("{count} gap(s) in time, the longest of {longest:.3} s"));
+    let (gaps, pauses): (Vec<f64>, Vec<f64>) =
+        steps.filter(|step| *step > longest_regular_s).partition(|step| *step > PAUSE_S);
+    for (of, what) in [(gaps, "gap(s) in time"), (pauses, "pause(s) in time that cut nothing")] {
+        if let Some(longest) = of.iter().copied().reduce(f64::max) {
+            log.notes.push(format!("{} {what}, the longest of {longest:.3} s", of.len()));
+        }
     }
 }
+
+/// A fast logger's pause of this length, s, leaves as much unknown as a row of a log of 25 rows/s does: no window is
+/// cut for it.
+pub(crate) const PAUSE_S: f64 = 0.04;
 
 /// Single rows are dropped by many loggers and cost little; five in a row are an interruption.
 const GAP_STEPS: f64 = 5.0;

@@ -1,7 +1,7 @@
 //! Which rows are predicted: windows of 0.5 s in which the motors run and no row is missing, but for pauses.
 
 use super::error::NotPredictable;
-use crate::log::Log;
+use crate::log::{Log, PAUSE_S};
 use crate::statistics::variance;
 
 /// Length of a window, s.
@@ -75,9 +75,6 @@ pub(crate) fn windows(log: &Log) -> Result<Vec<Window>, NotPredictable> {
     }
     Ok(windows)
 }
-
-/// A fast logger's pause of this length, s, leaves as much unknown as a row of a log of 25 rows/s does.
-const PAUSE_S: f64 = 0.04;
 
 /// Runs of rows (first, one past the last) without a gap in time in which the motors run.
 pub(super) fn stretches(log: &Log) -> Vec<(usize, usize)> {

@@ -53,6 +53,9 @@ pub(super) fn entry(column: &str, said: &Named, values: &[f64]) -> Entry {
     Entry { quantity, key, column: column.to_owned(), sign, scale, offset, rank: said.rank, why }
 }
 
+/// A motor's largest command over DShot.
+const DSHOT_MAX: f64 = 2047.0;
+
 /// How a command becomes a number up to 1, by the largest of its values.
 fn size_of_command(quantity: Quantity, values: &[f64]) -> (f64, f64, Option<String>) {
     let is_of_axis = matches!(quantity, Quantity::Command(_));
@@ -66,8 +69,37 @@ fn size_of_command(quantity: Quantity, values: &[f64]) -> (f64, f64, Option<Stri
         _ if largest <= 1.05 => (1.0, 0.0, None),
         _ if largest <= 105.0 => (0.01, 0.0, why("percent")),
         _ if !is_of_axis && least >= 800.0 && largest <= 2200.0 => (1e-3, -1.0, why("pulse width in us, 1000 to 2000")),
+        // no vehicle flies by a thirtieth of 16 bits
+        _ if !is_of_axis && largest <= DSHOT_MAX => {
+            (1.0 / DSHOT_MAX, 0.0, why("DShot, 0 to 2047, unless it is a pulse width and 0 is none"))
+        }
         _ if is_of_axis && largest <= 32768.0 => (1.0 / 32767.0, 0.0, why("16 bits with a sign")),
         _ if largest <= 65536.0 => (1.0 / 65535.0, 0.0, why("16 bits")),
         _ => (1.0 / largest, 0.0, why("not known: its range; the largest value is taken for 1")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_size_of_a_motors_command_is_guessed_by_what_flies() {
+        let guess = |values: &[f64]| {
+            let (scale, offset, why) = size_of_command(Quantity::Motor(0), values);
+            (values.iter().map(|value| scale * value + offset).fold(0.0, f64::max), why.unwrap_or_default())
+        };
+        for (values, largest, why) in [
+            ([0.0, 0.8], 0.8, ""),
+            ([0.0, 80.0], 0.8, "percent"),
+            ([900.0, 1800.0], 0.8, "pulse width"),
+            // a throttle that was hardly opened, and none before
+            ([0.0, 1125.0], 1125.0 / 2047.0, "DShot"),
+            ([0.0, 52428.0], 0.8, "16 bits"),
+            ([0.0, 200_000.0], 1.0, "not known"),
+        ] {
+            let (found, said) = guess(&values);
+            assert!((found - largest).abs() < 1e-9 && said.starts_with(why), "{values:?}: {found} {said}");
+        }
     }
 }
