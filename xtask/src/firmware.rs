@@ -73,8 +73,8 @@ impl<'a> Target<'a> {
         process::run(command.args(["--package", "shared-control"]).args(RELEASE))
     }
 
-    /// Lints both as compiled for the target; much of the firmware does not even exist on a host. The core by itself
-    /// first, which is [`Self::check_core`] too: beside the firmware its dependencies may have features of the latter's.
+    /// Lints both as compiled for the target; much of the firmware does not even exist on a host. First the core by
+    /// itself, which is [`Self::check_core`] too: beside the firmware its dependencies may have features of the latter's.
     pub(crate) fn clippy(&self) -> Result<()> {
         for packages in [&["--package=shared-control"][..], &["--package=firmware", "--package=shared-control"]] {
             let mut command = self.toolchain.clippy(self.workspace)?;
