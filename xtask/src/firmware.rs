@@ -74,7 +74,7 @@ impl<'a> Target<'a> {
     }
 
     /// Lints both as compiled for the target; much of the firmware does not even exist on a host. First the core by
-    /// itself, which is [`Self::check_core`] too: beside the firmware its dependencies may have features of the latter's.
+    /// itself, which is [`Self::check_core`] too: beside the firmware its dependencies may have the latter's features.
     pub(crate) fn clippy(&self) -> Result<()> {
         for packages in [&["--package=shared-control"][..], &["--package=firmware", "--package=shared-control"]] {
             let mut command = self.toolchain.clippy(self.workspace)?;
