@@ -81,8 +81,8 @@ use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
 pub use identification::{
-    BenchIdentification, Flown, Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify,
-    identify_axes, identify_axes_observed, identify_observed, manoeuvres_for, mismatch,
+    BenchIdentification, Identification, Identified, KnownScale, NotIdentified, ShownFlight, effectiveness_rad_s2,
+    identify, identify_axes, identify_axes_observed, identify_observed, manoeuvres_for, mismatch,
 };
 use kinematics::Kinematics;
 pub use known::{Fact, Known, NotKnown};

@@ -24,6 +24,7 @@ mod other_files;
 mod part;
 mod passage;
 mod quantity;
+mod quaternions;
 mod rate_of_change;
 mod recording;
 mod rig_shown;
@@ -151,10 +152,10 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 
 /// A note for all gaps that cut windows, because the reader of a report should know, and one for all shorter pauses.
 fn note_gaps(log: &mut Log) {
-    let longest_regular_s = log.longest_regular_step_s();
+    let (longest_regular_s, longest_uncut_s) = (log.longest_regular_step_s(), log.longest_uncut_step_s());
     let steps = log.time_s.windows(2).map(|t| t[1] - t[0]);
     let (gaps, pauses): (Vec<f64>, Vec<f64>) =
-        steps.filter(|step| *step > longest_regular_s).partition(|step| *step > PAUSE_S);
+        steps.filter(|step| *step > longest_regular_s).partition(|step| *step > longest_uncut_s);
     for (of, what) in [(gaps, "gap(s) in time"), (pauses, "pause(s) in time that cut nothing")] {
         if let Some(longest) = of.iter().copied().reduce(f64::max) {
             log.notes.push(format!("{} {what}, the longest of {longest:.3} s", of.len()));
@@ -162,9 +163,8 @@ fn note_gaps(log: &mut Log) {
     }
 }
 
-/// A fast logger's pause of this length, s, leaves as much unknown as a row of a log of 25 rows/s does: no window is
-/// cut for it.
-pub(crate) const PAUSE_S: f64 = 0.04;
+/// A fast logger's pause of this length, s, leaves as much unknown as a row of a log of 25 rows/s does.
+const PAUSE_S: f64 = 0.04;
 
 /// Single rows are dropped by many loggers and cost little; five in a row are an interruption.
 const GAP_STEPS: f64 = 5.0;
@@ -273,6 +273,11 @@ impl Log {
     /// A longer step than this from row to row is a gap: rows are missing.
     pub fn longest_regular_step_s(&self) -> f64 {
         GAP_STEPS * self.median_step_s()
+    }
+
+    /// For a longer step than this windows are cut, s.
+    pub(crate) fn longest_uncut_step_s(&self) -> f64 {
+        self.longest_regular_step_s().max(PAUSE_S)
     }
 
     /// The four motor commands, if the log has all of them.

@@ -1,7 +1,7 @@
 //! Which rows are predicted: windows of 0.5 s in which the motors run and no row is missing, but for pauses.
 
 use super::error::NotPredictable;
-use crate::log::{Log, PAUSE_S};
+use crate::log::Log;
 use crate::statistics::variance;
 
 /// Length of a window, s.
@@ -79,7 +79,7 @@ pub(crate) fn windows(log: &Log) -> Result<Vec<Window>, NotPredictable> {
 /// Runs of rows (first, one past the last) without a gap in time in which the motors run.
 pub(super) fn stretches(log: &Log) -> Vec<(usize, usize)> {
     let active = log.active_rows();
-    let longest_regular_s = log.longest_regular_step_s().max(PAUSE_S);
+    let longest_uncut_s = log.longest_uncut_step_s();
     let mut stretches = Vec::new();
     let mut first = 0;
     for row in 0..log.rows() {
@@ -88,7 +88,7 @@ pub(super) fn stretches(log: &Log) -> Vec<(usize, usize)> {
             continue;
         }
         let ends = match log.time_s.get(row + 1) {
-            Some(next_s) => !active[row + 1] || next_s - log.time_s[row] > longest_regular_s,
+            Some(next_s) => !active[row + 1] || next_s - log.time_s[row] > longest_uncut_s,
             None => true,
         };
         if ends {

@@ -114,7 +114,7 @@ pub(super) fn fine(
     are_done(3);
     let seen = seen::axes(&search, &fit);
     if seen == [false; 3] || base::acts_at_once(&fit.terms) {
-        return Err(NotIdentified::Quiet(super::Flown::of(log)));
+        return Err(NotIdentified::Quiet(super::ShownFlight::of(log)));
     }
     let numbers = numbers::of(&fit, &shooting, &nominal, rough.model.base_command, seen);
     let others: Vec<Term<'_>> =

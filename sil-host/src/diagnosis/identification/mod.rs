@@ -17,11 +17,11 @@
 mod bench;
 mod file;
 mod fitting;
-mod flown;
 mod folding;
 mod mismatch;
 mod numbers;
 mod seen;
+mod shown_flight;
 mod start;
 
 use super::estimate::Estimate;
@@ -30,9 +30,9 @@ use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;
 pub use bench::{BenchIdentification, identify_axes, identify_axes_observed};
-pub use flown::Flown;
 pub use mismatch::mismatch;
 pub use numbers::{Identified, effectiveness_rad_s2, manoeuvres_for};
+pub use shown_flight::ShownFlight;
 
 /// What gives the ratios that a log shows a scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -64,7 +64,7 @@ pub enum NotIdentified {
          identify a vehicle, or something else moves it more. Here: {0}. Wanted: steps of roll and pitch to 20 degrees \
          for 15 s, logged at 100 rows/s or more"
     )]
-    Quiet(Flown),
+    Quiet(ShownFlight),
     /// The numbers fit no vehicle.
     #[error("what was fitted is no vehicle: {0}")]
     Impossible(String),
@@ -107,7 +107,7 @@ pub fn identify_observed(
     let rough = fitting::rough(log, &start, observer)?;
     let (model, numbers) = fitting::fine(log, &rough, observer)?;
     if numbers.iter().filter(|number| number.is_of_tilt()).all(|number| number.to_fly.is_some()) {
-        return Err(NotIdentified::Quiet(Flown::of(log)));
+        return Err(NotIdentified::Quiet(ShownFlight::of(log)));
     }
     let model = VehicleModel::parse(&model.to_toml(), "the identified model")
         .map_err(|error| NotIdentified::Impossible(error.to_string()))?;

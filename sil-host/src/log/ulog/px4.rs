@@ -7,10 +7,10 @@ use shared_control::learning::adoption::LearntModel;
 use super::super::messages::{Messages, Table};
 use super::super::motor_order::{MotorOrder, Rotor};
 use super::super::quantity::Quantity;
+use super::super::quaternions::euler_columns;
 use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
 use super::super::turned::PLUS_DEG;
 use crate::axis::Axis;
-use crate::vehicle::euler_rad;
 
 /// The topics that are read.
 pub(super) const TOPICS: [&str; 12] = [
@@ -201,15 +201,7 @@ fn attitude(messages: &Messages) -> Option<Stream> {
 /// Roll, pitch and yaw of a quaternion's columns; one that is far from a unit is no reading.
 fn euler(table: &Table, name: &str) -> Option<[Vec<f64>; 3]> {
     let [w, x, y, z] = array::<4>(table, name)?;
-    let mut angles = [Vec::new(), Vec::new(), Vec::new()];
-    for row in 0..w.len() {
-        let q = [w[row], x[row], y[row], z[row]];
-        let norm = q.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let unit = (0.5..2.0).contains(&norm);
-        let of_row = if unit { euler_rad(q.map(|part| part / norm)) } else { [f64::NAN; 3] };
-        angles.iter_mut().zip(of_row).for_each(|(column, angle)| column.push(angle));
-    }
-    Some(angles)
+    Some(euler_columns((0..w.len()).map(|row| [w[row], x[row], y[row], z[row]]), 0.5..2.0))
 }
 
 /// Reference angles: as angles until version 1.14, as a quaternion since.

@@ -8,10 +8,10 @@
 
 use super::super::messages::{Messages, Table};
 use super::super::quantity::{GRAVITY_M_S2, Quantity};
+use super::super::quaternions::euler_columns;
 use super::super::recording::{Fact, FactValue, Recording, Stream};
 use super::TIMESTAMP;
 use crate::axis::Axis;
-use crate::vehicle::euler_rad;
 
 /// Our motors 1 to 4 in the Crazyflie's names.
 const MOTORS: [&str; 4] = ["m1", "m3", "m4", "m2"];
@@ -108,16 +108,11 @@ fn attitude(table: &Table) -> Option<(&'static str, [Vec<f64>; 3])> {
     Some(("stateEstimateZ.quat", angles(packed.iter().map(|packed| unpacked(*packed as u32)))))
 }
 
-/// Euler angles of quaternions w, x, y, z; one that is no unit is no reading.
+/// Euler angles of quaternions w, x, y, z.
 fn angles(quaternions: impl Iterator<Item = [f64; 4]>) -> [Vec<f64>; 3] {
-    let mut columns = [Vec::new(), Vec::new(), Vec::new()];
-    for q in quaternions {
-        let norm = q.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let is_unit = (0.9..1.1).contains(&norm);
-        let of_row = if is_unit { euler_rad(q.map(|part| part / norm)) } else { [f64::NAN; 3] };
-        for ((axis, column), angle) in Axis::ALL.into_iter().zip(&mut columns).zip(of_row) {
-            column.push(flu(axis, angle));
-        }
+    let mut columns = euler_columns(quaternions, 0.9..1.1);
+    for (axis, column) in Axis::ALL.into_iter().zip(&mut columns) {
+        column.iter_mut().for_each(|angle| *angle = flu(axis, *angle));
     }
     columns
 }

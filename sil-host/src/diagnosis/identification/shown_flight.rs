@@ -7,7 +7,7 @@ use crate::log::{Column, Log};
 
 /// A flight in a few numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flown {
+pub struct ShownFlight {
     /// How long the motors run, s.
     duration_s: f64,
     rows_hz: f64,
@@ -17,8 +17,8 @@ pub struct Flown {
     rate_deg_s: [Option<f64>; 2],
 }
 
-impl Flown {
-    pub(super) fn of(log: &Log) -> Flown {
+impl ShownFlight {
+    pub(super) fn of(log: &Log) -> ShownFlight {
         let active = log.active_rows();
         let of_running = |column: &Column| -> Option<Vec<f64>> {
             let column = column.as_ref()?;
@@ -36,7 +36,7 @@ impl Flown {
         let running = log.time_s.windows(2).zip(&active).filter(|(_, is_active)| **is_active);
         let longest_s = log.longest_regular_step_s();
         let steps = running.map(|(pair, _)| pair[1] - pair[0]).filter(|step_s| *step_s <= longest_s);
-        Flown {
+        ShownFlight {
             duration_s: steps.sum(),
             rows_hz: log.rate_hz(),
             tilt_deg: tilt(Axis::Roll).into_iter().chain(tilt(Axis::Pitch)).reduce(f64::max),
@@ -46,7 +46,7 @@ impl Flown {
 }
 
 /// "4.2 s at 25 rows/s, tilted by up to 5 deg, turning at 3 deg/s in roll and 2 in pitch (root mean square)".
-impl fmt::Display for Flown {
+impl fmt::Display for ShownFlight {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{:.1} s at {:.0} rows/s", self.duration_s, self.rows_hz)?;
         if let Some(tilt_deg) = self.tilt_deg {
@@ -83,11 +83,11 @@ mod tests {
             ..Log::default()
         };
         assert_eq!(
-            Flown::of(&log).to_string(),
+            ShownFlight::of(&log).to_string(),
             "3.0 s at 50 rows/s, tilted by up to 6 deg, turning at 11 deg/s in roll and 6 in pitch (root mean square)"
         );
         assert_eq!(
-            Flown::of(&Log { angle_rad: Default::default(), rate_rad_s: Default::default(), ..log }).to_string(),
+            ShownFlight::of(&Log { angle_rad: Default::default(), rate_rad_s: Default::default(), ..log }).to_string(),
             "3.0 s at 50 rows/s"
         );
     }
