@@ -50,13 +50,15 @@ impl FlightCore {
         state.step = state.step.wrapping_add(1);
         let airborne = state.watch.is_airborne();
         let support = state.arming.motors_turn().then(|| support(config, airborne));
-        let imu = imu_select::update(&config.sensing, &mut state.imus, &mut state.estimator, input, support);
+        let spin_rad_s = state.motor_loss.spin_rad_s();
+        let imu =
+            imu_select::update(&config.sensing, &mut state.imus, &mut state.estimator, input, support, spin_rad_s);
         let (estimate, health) = state.coasting.bridge(config, &state.observer, &imu, airborne, input.time_us);
         state.watch.feel(
             &config.watch,
             &Felt {
                 time_us: input.time_us,
-                force_m_s2: imu.force_m_s2,
+                force_m_s2: imu.force_m_s2.map(|force_m_s2| load_m_s2(force_m_s2, spin_rad_s)),
                 estimate: &estimate,
                 reference: &state.angle,
                 throttle: state.setpoint.flown.throttle,
@@ -174,6 +176,12 @@ fn next_rate_target(config: &Config, state: &mut State, estimate: &AttitudeEstim
             acro::update(&config.angle, &mut state.angle, &state.rate_target, wanted, config.step_s())
         }
     }
+}
+
+/// Of the force that is felt what carries the vehicle: across the thrust a spin is felt by an IMU beside its axis, at 2
+/// cm and 30 rad/s with twice the weight.
+fn load_m_s2(force_m_s2: Vector3<f32>, spin_rad_s: Option<f32>) -> Vector3<f32> {
+    if spin_rad_s.is_some() { Vector3::new(0.0, 0.0, force_m_s2.z) } else { force_m_s2 }
 }
 
 /// What carries a vehicle whose motors turn.

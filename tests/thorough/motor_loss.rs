@@ -1,6 +1,6 @@
 //! A motor that fails in free flight, by a few flights of docs/motor-loss.md's campaign.
 
-use campaigns::motor_loss::flight::{Case, Failure, Flown, Outcome, Vehicle};
+use campaigns::motor_loss::flight::{BuiltIn, Case, Failure, Flown, Outcome, Vehicle};
 use campaigns::motor_loss::real_logs;
 use rayon::prelude::*;
 
@@ -11,6 +11,7 @@ const CALM: Case = Case {
     yaw_drag: 1.0,
     rotor_inertia: 1.0,
     model_error: 0.0,
+    imu: BuiltIn::IDEAL,
     noticed: true,
     duration_s: 6.0,
 };
@@ -42,6 +43,24 @@ fn a_lost_motor_is_named_and_the_vehicle_comes_upright() {
                     assert!(outcome.upright_s <= 2.0, "seed {seed}, idle {idle}, {case:?}: {outcome:?}");
                     assert!(outcome.tilt_deg < tilt_max_deg, "seed {seed}, idle {idle}, {case:?}: {outcome:?}");
                 }
+            }
+        }
+    }
+}
+
+/// The same with an IMU that sits where a board has it and a gyro that is 2 % off, and where the air brakes the spin so
+/// little that it ends beyond the gyro's range: the vehicle comes upright and stays so, level to 2 degrees where no gusts
+/// push (the campaign's 0.6) and to 10 where they do (5.4).
+#[test]
+fn an_imu_beside_the_spin_and_a_gyro_at_its_limit_are_no_matter() {
+    for yaw_drag in [1.0, 0.38] {
+        for (flown, late_max_deg) in [(Flown::Hover, 2.0), (Flown::Gusts { deviation_nm: 0.2 / 3.0 }, 10.0)] {
+            let failure = Failure::Lift { lost: 1.0, within_s: 0.0 };
+            let case = Case { flown, failure, yaw_drag, imu: BuiltIn::USUAL, duration_s: 20.0, ..CALM };
+            for (seed, outcome) in fly(&case, FLIGHT_IDLE) {
+                assert!(yaw_drag == 1.0 || outcome.spin_rad_s.abs() > 40.5, "seed {seed}, {case:?}: {outcome:?}");
+                let stays = outcome.upright_s <= 2.0 && outcome.late_tilt_deg < late_max_deg;
+                assert!(outcome.right && stays, "seed {seed}, {case:?}: {outcome:?}");
             }
         }
     }

@@ -144,13 +144,18 @@ impl DetectorConfig {
         self.judged_from_n
     }
 
+    /// Time of a step, s.
+    pub(super) fn step_s(&self) -> f32 {
+        self.step_s
+    }
+
     /// A lift one step later, N, on its way to the wanted one.
     pub(super) fn lagged_n(&self, lift_n: f32, wanted_n: f32) -> f32 {
         wanted_n + self.lag.kept * (lift_n - wanted_n)
     }
 
     /// Angular acceleration of these lifts on a body that turns, rad/s^2.
-    fn by_motors_rad_s2(&self, lifts_n: &[f32; 4], rate: &Vector3<f32>) -> [f32; 3] {
+    pub(super) fn by_motors_rad_s2(&self, lifts_n: &[f32; 4], rate: &Vector3<f32>) -> [f32; 3] {
         let [ix, iy, iz] = self.inertia_kg_m2;
         let gyroscopic_nm = [(iy - iz) * rate.y * rate.z, (iz - ix) * rate.z * rate.x, (ix - iy) * rate.x * rate.y];
         core::array::from_fn(|axis| {

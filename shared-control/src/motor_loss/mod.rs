@@ -18,6 +18,7 @@ mod report;
 pub mod spin_disturbance;
 pub mod spin_frame;
 pub mod spin_gains;
+pub mod spin_rate;
 mod unexplained;
 pub mod weak_motors;
 
@@ -34,6 +35,7 @@ pub use report::{MotorReport, Verdict};
 
 use reduced_attitude::ReducedAttitude;
 use spin_disturbance::SpinDisturbance;
+use spin_rate::SpinRate;
 use weak_motors::RAISED_SHARE_MAX;
 
 /// What flies with three motors, made once.
@@ -124,6 +126,7 @@ pub struct MotorLoss {
     /// Lift that the suspected motor makes beyond what the mixer asked of it, N, behind its lag.
     raised_n: f32,
     outside: SpinDisturbance,
+    spin: SpinRate,
 }
 
 /// What a step knows.
@@ -143,10 +146,11 @@ pub struct Felt<'a> {
 
 impl MotorLoss {
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { detector, stage, lacks_share, raised_n, outside } = self;
+        let Self { detector, stage, lacks_share, raised_n, outside, spin } = self;
         detector.record(words);
         words.numbers(&[*lacks_share, *raised_n]);
         outside.record(words);
+        spin.record(words);
         let (number, motor, lacking_n) = match stage {
             Stage::Whole => (0, 0, [0.0; 2]),
             Stage::Suspected(Suspicion { motor, missing_n, ahead_n }) => (1, *motor, [*missing_n, *ahead_n]),
@@ -160,6 +164,11 @@ impl MotorLoss {
     /// How it stands.
     pub fn stage(&self) -> Stage {
         self.stage
+    }
+
+    /// How fast a vehicle that has lost a motor turns about yaw by what its motors do, rad/s.
+    pub fn spin_rad_s(&self) -> Option<f32> {
+        self.stage.lost_motor().map(|_| self.spin.rad_s())
     }
 
     /// The same for link and log.
@@ -185,6 +194,7 @@ impl MotorLoss {
                 }
             };
             self.outside = config.control.begin(felt, self.detector.known_rad_s2());
+            self.spin = SpinRate::at(felt.estimate.rate_body_rad_s.z);
             mix.commands.0 = self.detector.weak().made_up_for(&config.lift_curve, &mix.commands.0);
         }
         match self.stage {
@@ -192,6 +202,9 @@ impl MotorLoss {
             Stage::Suspected(suspicion) => self.balance(config, &suspicion, mix),
             Stage::Lost(motor) => {
                 let lifts_n = self.detector.lifts_n();
+                let rate = &felt.estimate.rate_body_rad_s;
+                let [.., yaw_rad_s2] = config.detector.by_motors_rad_s2(&lifts_n, rate);
+                self.spin.update(config.detector.step_s(), rate.z, yaw_rad_s2);
                 let motors = (&config.lift_curve, config.rest.command);
                 let commands = config.control.commands(felt, &mut self.outside, motor, &lifts_n, motors);
                 *mix =

@@ -7,7 +7,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Words of a state.
-pub const STATE_WORDS: usize = 603;
+pub const STATE_WORDS: usize = 617;
 
 /// Takes words until all have come.
 #[derive(Clone, Debug)]

@@ -15,6 +15,7 @@ use nalgebra::Vector3;
 use crate::elementary::sqrt;
 use crate::filter::{LowPass1, LowPass2, LowPass2State};
 use crate::record::state_words::StateWords;
+use crate::sensing::imu_health::is_full_scale;
 use crate::sensing::level_trim::Mounting;
 use crate::sensing::rotor_notches::{Notches, NotchesConfig, NotchesState};
 use crate::signals::RawImuSample;
@@ -162,6 +163,30 @@ impl ImuConfig {
         }
     }
 
+    /// The largest rate that the gyro can say, rad/s.
+    pub fn gyro_max_rad_s(&self) -> f32 {
+        f32::from(i16::MAX) * self.gyro_rad_s_per_count
+    }
+
+    /// Which of its words is the rate about the body's z axis, but for how it sits on the vehicle.
+    pub fn yaw_word(&self) -> usize {
+        let [.., yaw] = self.gyro_axes.source;
+        usize::from(yaw)
+    }
+
+    /// Rate of a sample whose yaw is beyond the gyro's range, if `beyond_rad_s` says so: that, where it is the larger.
+    fn gyro_in_spin_rad_s(&self, sample: &RawImuSample, beyond_rad_s: Option<f32>) -> Vector3<f32> {
+        let mut rate_rad_s = self.gyro_rad_s(sample);
+        let is_limited = sample.gyro_counts.get(self.yaw_word()).is_some_and(|word| is_full_scale(*word));
+        match beyond_rad_s {
+            Some(yaw_rad_s) if is_limited && yaw_rad_s * rate_rad_s.z > rate_rad_s.z * rate_rad_s.z => {
+                rate_rad_s.z = yaw_rad_s;
+            }
+            _ => {}
+        }
+        rate_rad_s
+    }
+
     /// Rotation rate of a sample, body frame, rad/s.
     pub fn gyro_rad_s(&self, sample: &RawImuSample) -> Vector3<f32> {
         let rate_rad_s = self.gyro_axes.to_body(sample.gyro_counts.map(f32::from)) * self.gyro_rad_s_per_count;
@@ -248,6 +273,15 @@ pub fn all_finite(v: &Vector3<f32>) -> bool {
     v.x.is_finite() && v.y.is_finite() && v.z.is_finite()
 }
 
+/// What the vehicle does that a sensor does not show.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Flown {
+    /// Rotors turn.
+    pub rotors_turn: bool,
+    /// Yaw rate that may be beyond the gyro's range, by what the motors do, rad/s.
+    pub beyond_rad_s: Option<f32>,
+}
+
 /// Conditions the samples of one step at `now_us`. Samples whose time does not increase, or lies in the future, are
 /// left out; so is a stored time that lies in the future, else one bad stamp would make the vehicle blind until then.
 /// The notches stay out while the rotors stand.
@@ -256,7 +290,7 @@ pub fn condition(
     state: &mut ImuState,
     samples: &[RawImuSample],
     now_us: u64,
-    rotors_turn: bool,
+    Flown { rotors_turn, beyond_rad_s }: Flown,
 ) -> ImuStep {
     let latest_us = now_us.saturating_add(STAMP_AHEAD_MAX_US);
     state.last_time_us = state.last_time_us.filter(|last| *last <= latest_us);
@@ -282,7 +316,7 @@ pub fn condition(
         };
         let first = state.last_time_us.is_none();
         state.last_time_us = Some(sample.time_us);
-        let gyro = config.gyro_rad_s(sample);
+        let gyro = config.gyro_in_spin_rad_s(sample, beyond_rad_s);
         let force = config.specific_force_m_s2(sample);
         if first || interval_s > BRIDGED_GAP_MAX_S {
             step.after_gap = true;

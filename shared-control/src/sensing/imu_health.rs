@@ -10,7 +10,8 @@
 //!   rest has noise, and from then on a run of equal words means that it is stuck. A sensor that never showed noise
 //!   can't be judged so; a real one that is frozen from the start shows by its missing data-ready, which makes it
 //!   stale.
-//! - Out of range: a word at full scale in [`RUN_SAMPLES`] samples in a row; one knock does not count.
+//! - Out of range: a word at full scale in [`RUN_SAMPLES`] samples in a row; one knock does not count, nor does a yaw
+//!   rate that is known to be beyond the gyro's range.
 //!
 //! Where gyro and accelerometer are two chips, one can stand still while the other goes on, so that each is judged by
 //! its own three words. Three words repeat more often than six: a quiet L3GD20H at rest (0.011 deg/s per root Hz over
@@ -95,11 +96,18 @@ pub struct ImuHealthState {
 }
 
 impl ImuHealthState {
-    /// Takes the samples of one step. `at_rest`: motors off and the gyro quiet.
-    pub fn update(&mut self, chips: Chips, samples: &[RawImuSample], at_rest: bool) -> ImuHealth {
+    /// Takes the samples of one step. `at_rest`: motors off and the gyro quiet. `beyond`: the gyro word (0 to 2) that
+    /// may be at full scale.
+    pub fn update(
+        &mut self,
+        chips: Chips,
+        samples: &[RawImuSample],
+        at_rest: bool,
+        beyond: Option<usize>,
+    ) -> ImuHealth {
         let mut fresh = false;
         for sample in samples {
-            fresh |= self.take(chips, sample, at_rest);
+            fresh |= self.take(chips, sample, at_rest, beyond);
         }
         self.steps_without_sample = if fresh { 0 } else { self.steps_without_sample.saturating_add(1) };
         self.judge(chips)
@@ -130,7 +138,7 @@ impl ImuHealthState {
     }
 
     /// True if the sample is a new one.
-    fn take(&mut self, chips: Chips, sample: &RawImuSample, at_rest: bool) -> bool {
+    fn take(&mut self, chips: Chips, sample: &RawImuSample, at_rest: bool, beyond: Option<usize>) -> bool {
         let (gyro_repeats, accel_repeats) = match self.last {
             Some(last) if sample.time_us <= last.time_us => return false,
             Some(last) => (last.gyro_counts == sample.gyro_counts, last.accel_counts == sample.accel_counts),
@@ -140,7 +148,8 @@ impl ImuHealthState {
         let [gyro, accel] = self.equal_runs;
         self.equal_runs = [run(gyro, gyro_repeats), run(accel, accel_repeats)];
         self.dead_run = run(self.dead_run, words(sample).iter().all(|word| *word == first));
-        self.full_scale_run = run(self.full_scale_run, words(sample).iter().any(|word| is_full_scale(*word)));
+        let mut judged = words(sample).into_iter().enumerate().filter(|(place, _)| beyond != Some(*place));
+        self.full_scale_run = run(self.full_scale_run, judged.any(|(_, word)| is_full_scale(word)));
         if !self.has_noise() {
             let changing = at_rest && !self.stands_still(chips);
             self.changing_at_rest = if changing { self.changing_at_rest + 1 } else { 0 };
@@ -191,7 +200,8 @@ fn words(sample: &RawImuSample) -> [i16; 6] {
     [gx, gy, gz, ax, ay, az]
 }
 
-fn is_full_scale(word: i16) -> bool {
+/// At either end of 16 bits; -32767 is what some chips have for -32768.
+pub(super) fn is_full_scale(word: i16) -> bool {
     word == i16::MAX || word <= -i16::MAX
 }
 
@@ -217,7 +227,7 @@ mod tests {
     fn rested() -> ImuHealthState {
         let mut state = ImuHealthState::default();
         for k in 0..300 {
-            assert_eq!(state.update(Chips::One, &[noisy(k)], true), ImuHealth::Good);
+            assert_eq!(state.update(Chips::One, &[noisy(k)], true, None), ImuHealth::Good);
         }
         assert!(state.has_noise());
         state
@@ -226,7 +236,7 @@ mod tests {
     /// Steps until a fault is reported, with the fault, when each step from 300 on brings `samples`.
     fn detected(state: &mut ImuHealthState, sample: impl Fn(u64) -> Option<RawImuSample>) -> (u64, ImuFault) {
         for k in 300..400 {
-            if let ImuHealth::Bad(fault) = state.update(Chips::One, sample(k).as_slice(), false) {
+            if let ImuHealth::Bad(fault) = state.update(Chips::One, sample(k).as_slice(), false, None) {
                 return (k - 299, fault);
             }
         }
@@ -258,7 +268,7 @@ mod tests {
             // at rest, then steady hover, a manoeuvre, steady hover
             let moving = (60_000..61_000).contains(&k);
             let sample = if moving { noisy(k) } else { still(k) };
-            assert_eq!(state.update(Chips::One, &[sample], k < 20_000), ImuHealth::Good, "sample {k}");
+            assert_eq!(state.update(Chips::One, &[sample], k < 20_000, None), ImuHealth::Good, "sample {k}");
         }
     }
 
@@ -266,7 +276,7 @@ mod tests {
     fn noise_is_learnt_at_rest_only() {
         let mut state = ImuHealthState::default();
         for k in 0..10_000 {
-            state.update(Chips::One, &[noisy(k)], false);
+            state.update(Chips::One, &[noisy(k)], false, None);
         }
         assert!(!state.has_noise());
     }
@@ -275,12 +285,12 @@ mod tests {
     fn one_knock_is_no_fault_and_a_fault_ends_with_its_cause() {
         let mut state = rested();
         let knock = RawImuSample { accel_counts: [i16::MAX, 0, 0], ..noisy(300) };
-        assert_eq!(state.update(Chips::One, &[knock], false), ImuHealth::Good);
+        assert_eq!(state.update(Chips::One, &[knock], false, None), ImuHealth::Good);
         for _ in 0..10 {
-            state.update(Chips::One, &[], false);
+            state.update(Chips::One, &[], false, None);
         }
-        assert_eq!(state.update(Chips::One, &[], false), ImuHealth::Bad(ImuFault::Stale));
-        assert_eq!(state.update(Chips::One, &[noisy(320)], false), ImuHealth::Good);
+        assert_eq!(state.update(Chips::One, &[], false, None), ImuHealth::Bad(ImuFault::Stale));
+        assert_eq!(state.update(Chips::One, &[noisy(320)], false, None), ImuHealth::Good);
     }
 
     /// What might turn into a finding makes it suspect at once, and ends with its cause.
@@ -290,9 +300,9 @@ mod tests {
         assert!(!quiet.is_suspect(Chips::One));
         let next = |samples: &[RawImuSample]| {
             let mut state = quiet;
-            state.update(Chips::One, samples, false);
+            state.update(Chips::One, samples, false, None);
             let suspect = state.is_suspect(Chips::One);
-            state.update(Chips::One, &[noisy(305)], false);
+            state.update(Chips::One, &[noisy(305)], false, None);
             assert!(!state.is_suspect(Chips::One));
             suspect
         };
@@ -305,7 +315,7 @@ mod tests {
         // without noise repeating is no sign
         let mut still_state = ImuHealthState::default();
         for k in 0..3 {
-            still_state.update(Chips::One, &[still(k)], true);
+            still_state.update(Chips::One, &[still(k)], true, None);
         }
         assert!(!still_state.is_suspect(Chips::One));
     }
@@ -317,10 +327,28 @@ mod tests {
             let mut state = rested();
             let found = (300..305).map(|k| {
                 let sample = RawImuSample { gyro_counts: [word, k as i16, 3], ..noisy(k) };
-                state.update(Chips::One, &[sample], false)
+                state.update(Chips::One, &[sample], false, None)
             });
             let expected = if full { ImuHealth::Bad(ImuFault::OutOfRange) } else { ImuHealth::Good };
             assert_eq!(found.last(), Some(expected), "{word}");
+        }
+    }
+
+    /// A yaw rate that is known to be beyond the range is no fault of the gyro; any other word at full scale is.
+    #[test]
+    fn a_rate_that_is_known_to_be_beyond_the_range_is_no_fault() {
+        let judged = |gyro_counts: [i16; 3], beyond: Option<usize>| {
+            let mut state = rested();
+            let healths = (300..310).map(|k| {
+                let sample = RawImuSample { gyro_counts, ..noisy(k) };
+                let health = state.update(Chips::One, &[sample], false, beyond);
+                (health, state.is_suspect(Chips::One))
+            });
+            healths.last()
+        };
+        assert_eq!(judged([3, 2, i16::MIN], Some(2)), Some((ImuHealth::Good, false)));
+        for (words, beyond) in [([3, 2, i16::MIN], None), ([3, i16::MAX, 2], Some(2))] {
+            assert_eq!(judged(words, beyond), Some((ImuHealth::Bad(ImuFault::OutOfRange), true)));
         }
     }
 
@@ -330,7 +358,7 @@ mod tests {
         let mut state = ImuHealthState::default();
         for k in 0..u64::from(NOISE_SAMPLES) {
             assert!(!state.has_noise(), "sample {k}");
-            state.update(Chips::One, &[noisy(k)], true);
+            state.update(Chips::One, &[noisy(k)], true, None);
         }
         assert!(state.has_noise());
         let mut state = ImuHealthState::default();
@@ -341,14 +369,14 @@ mod tests {
             } else {
                 RawImuSample { time_us: (k + 1) * 1000, ..noisy(k / 100 * 100 + 94) }
             };
-            state.update(Chips::One, &[sample], true);
+            state.update(Chips::One, &[sample], true, None);
         }
         assert!(!state.has_noise());
     }
 
     #[test]
     fn before_the_first_sample_there_is_no_health() {
-        assert_eq!(ImuHealthState::default().update(Chips::One, &[], true), ImuHealth::Bad(ImuFault::Stale));
+        assert_eq!(ImuHealthState::default().update(Chips::One, &[], true, None), ImuHealth::Bad(ImuFault::Stale));
     }
 
     /// Of two chips each may stand still by itself; what the other still says must not hide it.
@@ -356,7 +384,7 @@ mod tests {
     fn either_of_two_chips_is_found_stuck() {
         let mut state = ImuHealthState::default();
         for k in 0..300 {
-            assert_eq!(state.update(Chips::Two, &[noisy(k)], true), ImuHealth::Good);
+            assert_eq!(state.update(Chips::Two, &[noisy(k)], true, None), ImuHealth::Good);
         }
         for stuck_gyro in [true, false] {
             let (mut state, frozen) = (state, noisy(299));
@@ -368,7 +396,7 @@ mod tests {
                 } else {
                     RawImuSample { accel_counts, ..live }
                 };
-                let health = state.update(Chips::Two, &[sample], false);
+                let health = state.update(Chips::Two, &[sample], false, None);
                 let found = usize::from(CHIP_RUN_SAMPLES) <= (k - 300 + 2) as usize;
                 assert_eq!(health == ImuHealth::Bad(ImuFault::Stuck), found, "sample {k}");
                 assert!(state.is_suspect(Chips::Two) && !state.is_suspect(Chips::One));

@@ -11,10 +11,11 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::elementary::magnitude;
 use crate::record::state_words::StateWords;
 use crate::sensing::estimator::{self, EstimatorConfig, EstimatorState, measured_down};
 use crate::sensing::gyro_bias::GyroBias;
-use crate::sensing::imu::{self, ImuConfig, ImuState, ImuStep};
+use crate::sensing::imu::{self, Flown, ImuConfig, ImuState, ImuStep};
 use crate::sensing::imu_health::{ImuHealth, ImuHealthState};
 use crate::sensing::levelling::Support;
 use crate::signals::{AttitudeEstimate, RawImuSample, StepInput};
@@ -56,6 +57,16 @@ struct UnitState {
     conditioning: ImuState,
     health: ImuHealthState,
     gyro: GyroBias,
+}
+
+/// Share of a gyro's limit from which on a spin may be beyond it.
+const NEAR_LIMIT: f32 = 0.85;
+
+/// What is known of a step before its samples.
+struct Now {
+    time_us: u64,
+    motors_turned: bool,
+    spin_rad_s: Option<f32>,
 }
 
 /// One IMU's news of a step.
@@ -111,17 +122,20 @@ pub struct ImuFindings {
 }
 
 /// Takes the samples of a step, chooses the unit, and brings the attitude up to date. `support` is what has carried the
-/// vehicle while motors turned; none where they did not.
+/// vehicle while motors turned; none where they did not. `spin_rad_s` is how fast one turns about yaw that has lost a
+/// motor, by what its motors do; none of any other.
 pub fn update(
     config: &SensingConfig,
     pair: &mut ImuPairState,
     attitude: &mut EstimatorState,
     input: &StepInput,
     support: Option<Support>,
+    spin_rad_s: Option<f32>,
 ) -> ImuFindings {
     let motors_turned = support.is_some();
-    let first = pair.first.take(&config.imu, &input.imu, input.time_us, motors_turned);
-    let second = pair.second.take(&config.imu_second, &input.imu_second, input.time_us, motors_turned);
+    let now = Now { time_us: input.time_us, motors_turned, spin_rad_s };
+    let first = pair.first.take(&config.imu, &input.imu, &now);
+    let second = pair.second.take(&config.imu_second, &input.imu_second, &now);
     let unit = choose(pair, motors_turned, first.health, second.health);
     if unit != pair.in_use {
         pair.in_use = unit;
@@ -153,9 +167,16 @@ pub fn update(
 }
 
 impl UnitState {
-    fn take(&mut self, config: &ImuConfig, samples: &[RawImuSample], time_us: u64, motors_turned: bool) -> News {
-        let step = imu::condition(config, &mut self.conditioning, samples, time_us, motors_turned);
-        let health = self.health.update(config.chips, samples, !motors_turned && self.gyro.rest_s() > 0.0);
+    fn take(&mut self, config: &ImuConfig, samples: &[RawImuSample], now: &Now) -> News {
+        let Now { time_us, motors_turned, spin_rad_s } = *now;
+        // only a spin that came near the limit before can be beyond it
+        let beyond_rad_s =
+            spin_rad_s.filter(|spin_rad_s| magnitude(*spin_rad_s) > NEAR_LIMIT * config.gyro_max_rad_s());
+        let flown = Flown { rotors_turn: motors_turned, beyond_rad_s };
+        let step = imu::condition(config, &mut self.conditioning, samples, time_us, flown);
+        let at_rest = !motors_turned && self.gyro.rest_s() > 0.0;
+        let yaw_word = beyond_rad_s.map(|_| config.yaw_word());
+        let health = self.health.update(config.chips, samples, at_rest, yaw_word);
         News { step, health, suspect: self.health.is_suspect(config.chips) }
     }
 

@@ -26,13 +26,15 @@
 //! A comparison that misses by more than its expected deviation counts for less, in proportion, and never for nothing.
 
 mod covariance;
+mod whole_turn;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::elementary::{limit, magnitude, sqrt};
+use crate::elementary::{larger, limit, magnitude, sqrt};
 use crate::record::state_words::StateWords;
 use crate::sensing::imu::{ImuStep, STEADY_LAG_S, all_finite};
 use covariance::{BIAS, Covariance, DRAG, Noises, STATES, TILT, VELOCITY};
+use whole_turn::{Mean, WholeTurn};
 
 /// Time over which the force is summed before it is compared, s.
 const WINDOW_S: f32 = 0.02;
@@ -49,9 +51,14 @@ const DRAG_BENDS_FOR_S: f32 = 0.3;
 /// Velocity that a vibration leaves at low frequencies in a vehicle that is held, over its root mean square: sensors at
 /// full scale and rotors that speed up once a turn rectify it. m/s per root of Hz, per m/s^2.
 const SHAKEN_NOISE: f32 = 0.001;
+/// How far from the centre of gravity an IMU sits whose place nobody has measured, m.
+const LEVER_M: f32 = 0.03;
+/// What the low-pass of the force keeps of it from window to window.
+const LEVER_KEPT: f32 = 0.75;
 /// What a gyro whose scale is off by 2 % (MPU-6000 product specification 6.1: up to 3 %, 2 % from axis to axis) gets
-/// wrong of a turn that lasts a third of a second, over the rate, per root of Hz.
+/// wrong of a turn that lasts so long, over the rate, per root of Hz.
 const TURNING_NOISE: f32 = 0.012;
+const TURN_LASTS_S: f32 = 0.33;
 /// A vehicle climbs and sinks as it likes; but for ever it does not. Variance of one window's comparison.
 const CLIMB_VARIANCE_M2_S2: f32 = 1e4;
 /// Tilt after numbers that made no sense, rad.
@@ -120,6 +127,11 @@ pub struct Levelling {
     /// And of the rate, body, rad.
     window_rad: Vector3<f32>,
     window_s: f32,
+    turn: WholeTurn,
+    /// Mean rate of the window before, body, rad/s.
+    rate_rad_s: Vector3<f32>,
+    /// What an IMU beside the centre of gravity feels of rotation, over its distance, 1/s^2.
+    turning_1_s2: f32,
 }
 
 /// What a comparison found to be wrong.
@@ -147,11 +159,15 @@ impl Levelling {
             window_m: Vector3::zeros(),
             window_rad: Vector3::zeros(),
             window_s: 0.0,
+            turn: WholeTurn::default(),
+            rate_rad_s: Vector3::zeros(),
+            turning_1_s2: 0.0,
         }
     }
 
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { support, velocity_m_s, drag_1_s, covariance, window_m_s, window_m, window_rad, window_s } = self;
+        let Self { support, velocity_m_s, drag_1_s, covariance, window_m_s, window_m, window_rad, window_s, .. } = self;
+        let Self { turn, rate_rad_s, turning_1_s2, .. } = self;
         words.word(*support as u32);
         words.vector(velocity_m_s);
         words.number(*drag_1_s);
@@ -160,6 +176,9 @@ impl Levelling {
         words.vector(window_m);
         words.vector(window_rad);
         words.number(*window_s);
+        turn.record(words);
+        words.vector(rate_rad_s);
+        words.number(*turning_1_s2);
     }
 
     /// Velocity against the air, world, m/s.
@@ -187,17 +206,24 @@ impl Levelling {
         self.window_m_s += gained_m_s;
         self.window_m += self.velocity_m_s * imu.duration_s;
         self.window_rad += imu.rotation_rad;
+        let turn = self.turn.take(q_world_from_body, &self.velocity_m_s, imu);
         self.window_s += imu.duration_s;
         if support != self.support {
             self.change_support(config, support);
+        }
+        if let (Support::Air, Some(turn)) = (support, turn) {
+            let mut errors = [0.0; STATES];
+            self.compare_turn_with_drag(config, &mut errors, &turn);
+            return Some(self.take(config, &errors));
         }
         if self.window_s < WINDOW_S {
             return None;
         }
         let body_axes_in_world = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| q_world_from_body * axis);
-        let turned_rad = sqrt(self.window_rad.dot(&self.window_rad));
+        let turned_rad_s = tilts_rad_s(&(q_world_from_body * self.window_rad * (1.0 / self.window_s)));
+        self.feel_turning();
         let noises = Noises {
-            gyro: config.gyro_noise + TURNING_NOISE * turned_rad / self.window_s,
+            gyro: config.gyro_noise + TURNING_NOISE * turned_rad_s,
             force: config.gust_noise,
             bias: config.bias_walk,
         };
@@ -211,6 +237,7 @@ impl Levelling {
                 let noise = config.held_noise + SHAKEN_NOISE * vibration_m_s2;
                 self.compare_with_rest(&mut errors, &mean_m_s, noise * noise / self.window_s);
             }
+            Support::Air if self.turn.goes_on() => self.compare_with_level_flight(&mut errors),
             Support::Air => {
                 let [body_x, body_y, _] = &body_axes_in_world;
                 let acceleration_m_s2 = self.window_m_s * (1.0 / self.window_s) + Vector3::z() * gravity_m_s2;
@@ -223,6 +250,15 @@ impl Levelling {
         (self.window_m_s, self.window_m, self.window_rad) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         self.window_s = 0.0;
         Some(self.take(config, &errors))
+    }
+
+    /// An IMU that does not sit in the centre of gravity feels rotation, the more the faster it is or changes.
+    fn feel_turning(&mut self) {
+        let rate_rad_s = self.window_rad * (1.0 / self.window_s);
+        let gained_rad_s2 = (rate_rad_s - self.rate_rad_s) * (1.0 / self.window_s);
+        let felt_1_s2 = rate_rad_s.dot(&rate_rad_s) + sqrt(gained_rad_s2.dot(&gained_rad_s2));
+        self.turning_1_s2 = larger(felt_1_s2, LEVER_KEPT * self.turning_1_s2);
+        self.rate_rad_s = rate_rad_s;
     }
 
     /// Let go, a vehicle may have any wind about it; held again, it has none.
@@ -267,7 +303,23 @@ impl Levelling {
         sees[DRAG] = -along_m_s;
         let bent_m_s2 = DRAG_BENDS * config.rotor_drag_1_s * along_m_s;
         let noise = config.drag_noise * config.drag_noise + bent_m_s2 * bent_m_s2 * DRAG_BENDS_FOR_S;
-        self.covariance.compare(errors, &sees, force_m_s2 + drag_m_s2, noise / self.window_s);
+        let lever_m_s2 = LEVER_M * self.turning_1_s2;
+        let variance = noise / self.window_s + lever_m_s2 * lever_m_s2;
+        self.covariance.compare(errors, &sees, force_m_s2 + drag_m_s2, variance);
+    }
+
+    /// The same of a whole turn, along the world's axes: what the tilt does to them is vertical.
+    fn compare_turn_with_drag(&mut self, config: &LevellingConfig, errors: &mut [f32; STATES], turn: &Mean) {
+        let noise = config.drag_noise * config.drag_noise;
+        for axis in 0..2 {
+            let mut sees = [0.0; STATES];
+            sees[VELOCITY + axis] = -self.drag_1_s;
+            sees[DRAG] = -turn.velocity_m_s[axis];
+            let bent_m_s2 = DRAG_BENDS * config.rotor_drag_1_s * turn.velocity_m_s[axis];
+            let variance = (noise + bent_m_s2 * bent_m_s2 * DRAG_BENDS_FOR_S) / turn.lasted_s;
+            let left_m_s2 = turn.force_m_s2[axis] + self.drag_1_s * turn.velocity_m_s[axis];
+            self.covariance.compare(errors, &sees, left_m_s2, variance);
+        }
     }
 
     fn compare_with_level_flight(&mut self, errors: &mut [f32; STATES]) {
@@ -293,6 +345,13 @@ impl Levelling {
         self.covariance.forget(VELOCITY..BIAS, config.wind_std_m_s * config.wind_std_m_s);
         Correction { tilt_rad: Vector3::zeros(), bias_rad_s: Vector3::zeros() }
     }
+}
+
+/// How much of a rate, world, rad/s, gets the tilt wrong by a gyro's scales. What is about the vertical does so by what
+/// another axis shows of it, which turns with the vehicle and in a spin goes round before it adds up.
+fn tilts_rad_s(rate_rad_s: &Vector3<f32>) -> f32 {
+    let [north, east, down] = [rate_rad_s.x, rate_rad_s.y, rate_rad_s.z].map(|rate| rate * rate);
+    sqrt(north + east + down / (1.0 + TURN_LASTS_S * TURN_LASTS_S * down))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What the vehicle's sensors make of its motion: bias, white noise, counts.
 
 pub mod imu;
+mod lever;
 pub mod random;
 
 use shared_control::signals::RawImuSample;
@@ -9,6 +10,7 @@ use crate::effects::{self, Effect};
 use crate::model::SensorNoise;
 use crate::plant::{Plant, Truth};
 use crate::vehicle::{Changes, SensorChain, Turning};
+use lever::Lever;
 use random::RandomStream;
 
 /// The sensors of one vehicle. Each has a random stream of its own, so that none disturbs another.
@@ -19,6 +21,8 @@ pub struct Sensors {
     chain: Option<SensorChain>,
     gyro_bias_rad_s: [f64; 3],
     accel_bias_m_s2: [f64; 3],
+    /// None at the centre of gravity.
+    lever: Option<Lever>,
     gyro_stream: RandomStream,
     accel_stream: RandomStream,
     attitude_stream: RandomStream,
@@ -33,6 +37,7 @@ impl Sensors {
             chain: None,
             gyro_bias_rad_s: [0.0; 3],
             accel_bias_m_s2: [0.0; 3],
+            lever: None,
             gyro_stream: RandomStream::new(seed, "gyro"),
             accel_stream: RandomStream::new(seed, "accelerometer"),
             attitude_stream: RandomStream::new(seed, "attitude"),
@@ -52,6 +57,12 @@ impl Sensors {
         self
     }
 
+    /// Puts the IMU this far from the centre of gravity, body axes, m: it feels the rotation about that.
+    pub fn with_imu_at(mut self, position_body_m: [f64; 3]) -> Self {
+        self.lever = (position_body_m != [0.0; 3]).then(|| Lever::new(position_body_m));
+        self
+    }
+
     /// Adds what the sensors' effects among these do; the others are the plant's.
     pub fn with_effects(mut self, effects: &[Effect]) -> Self {
         let chain = effects::changes(Changes::default(), effects).sensors;
@@ -64,7 +75,8 @@ impl Sensors {
         self.chain.as_ref().map_or(0.0, |chain| chain.attitude_delay_s)
     }
 
-    /// One reading of the IMU, which sits at the centre of gravity (on the gimbal: at the pivot), stamped `time_us`.
+    /// One reading of the IMU, stamped `time_us`. It sits at the centre of gravity (on the gimbal: at the pivot), or
+    /// where [`Sensors::with_imu_at`] has put it.
     pub fn imu(&mut self, plant: &Plant, time_us: u64) -> RawImuSample {
         let rotors = turning(plant.motor_speed_rad_s(), plant.rotor_phase_rad());
         self.imu_sample(time_us, plant.rate_body_rad_s(), plant.specific_force_body_m_s2(), rotors)
@@ -90,6 +102,9 @@ impl Sensors {
         mut force_m_s2: [f64; 3],
         rotors: Option<Turning>,
     ) -> RawImuSample {
+        if let Some(lever) = &mut self.lever {
+            force_m_s2 = sum(force_m_s2, lever.felt_m_s2(time_us, rate_rad_s));
+        }
         if let Some(chain) = &self.chain {
             if let Some(rotors) = rotors {
                 let (rate, force) = chain.vibration.felt(&rotors, imu::gyro_passes, imu::accel_passes);

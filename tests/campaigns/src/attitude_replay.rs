@@ -12,7 +12,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use shared_control::frames::{down_in_body, euler_from_q};
 use shared_control::sensing::estimator::{self, EstimatorConfig, EstimatorState};
 use shared_control::sensing::gyro_bias::GyroBias;
-use shared_control::sensing::imu::{ImuConfig, ImuState, condition};
+use shared_control::sensing::imu::{Flown, ImuConfig, ImuState, condition};
 use shared_control::sensing::levelling::Support;
 use shared_control::signals::RawImuSample;
 use sil_host::log::{Log, read};
@@ -104,7 +104,7 @@ fn flown(log: &Log, support: Support) -> Vec<Row> {
             .motors()
             .map_or(at(&log.thrust_command, row), |motors| motors.iter().map(|motor| motor[row]).sum::<f64>() / 4.0);
         let turning = motors > TURNING;
-        let step = condition(&config, &mut imu, &[sample], sample.time_us, false);
+        let step = condition(&config, &mut imu, &[sample], sample.time_us, Flown::default());
         let carried = turning.then_some(support);
         let estimate = estimator::update(&estimator_config, &mut state, &mut gyro, &step, sample.time_us, carried);
         let q_world_from_body = estimate.q_world_from_body;

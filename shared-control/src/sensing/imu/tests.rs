@@ -8,7 +8,7 @@ fn config() -> ImuConfig {
 
 /// With rotors that stand.
 fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSample], now_us: u64) -> ImuStep {
-    super::condition(config, state, samples, now_us, false)
+    super::condition(config, state, samples, now_us, Flown::default())
 }
 
 fn sample(time_us: u64, gyro_counts: [i16; 3]) -> RawImuSample {
@@ -23,6 +23,29 @@ fn scale_and_axes_are_the_data_sheets() {
     let step = condition(&config(), &mut state, &[sample(0, [164, 0, 0])], 0);
     assert!((step.rate_body_rad_s - Vector3::new(0.0, -10f32.to_radians(), 0.0)).norm() < 1e-5);
     assert!((step.specific_force_m_s2 - Vector3::new(0.0, 0.0, -9.806_65)).norm() < 1e-4);
+}
+
+/// A yaw word at either end says the rate that the motors make, where that is the larger and turns the same way; others
+/// and lesser ones stay what they are.
+#[test]
+fn a_yaw_beyond_the_range_is_what_the_motors_make() {
+    let most_rad_s = config().gyro_max_rad_s();
+    assert!((most_rad_s - 34.87).abs() < 0.01);
+    let yaw = |word: i16, beyond_rad_s: Option<f32>| {
+        let flown = Flown { rotors_turn: true, beyond_rad_s };
+        let mut state = ImuState::default();
+        super::condition(&config(), &mut state, &[sample(0, [i16::MAX, 0, word])], 0, flown).rate_body_rad_s
+    };
+    for sign in [1.0, -1.0] {
+        let full = if sign > 0.0 { i16::MAX } else { i16::MIN };
+        assert_eq!(yaw(full, Some(sign * 41.0)).z, sign * 41.0);
+        for other_rad_s in [None, Some(sign * 30.0), Some(sign * -41.0), Some(f32::NAN)] {
+            assert!((yaw(full, other_rad_s).z - sign * most_rad_s).abs() < 0.01, "{other_rad_s:?}");
+        }
+        let within = full - 2 * sign as i16;
+        assert!((yaw(within, Some(sign * 41.0)).z - sign * most_rad_s).abs() < 0.01);
+        assert!((yaw(full, Some(sign * 41.0)).y + most_rad_s).abs() < 0.01);
+    }
 }
 
 #[test]

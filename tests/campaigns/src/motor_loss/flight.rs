@@ -6,7 +6,7 @@ use shared_control::motor_loss::Stage;
 use shared_control::signals::{ArmingRequest, Setpoint, StepInput};
 use sil_host::axis::Axis;
 use sil_host::control_setup::{core_config, vehicle_parameters};
-use sil_host::effects::{Effect, InertiaError, RotorInertia, ThrustScale};
+use sil_host::effects::{Effect, GyroScale, InertiaError, RotorInertia, ThrustScale};
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::plant::{Plant, Truth};
 use sil_host::sensors::Sensors;
@@ -58,6 +58,23 @@ pub enum Failure {
     },
 }
 
+/// An IMU in a vehicle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BuiltIn {
+    /// From the centre of gravity, body axes, m.
+    pub at_m: [f64; 3],
+    /// Yaw rate that its gyro says, over the true one.
+    pub yaw_scale: f64,
+}
+
+impl BuiltIn {
+    /// As no IMU is: in the axis of the spin and without error.
+    pub const IDEAL: BuiltIn = BuiltIn { at_m: [0.0; 3], yaw_scale: 1.0 };
+    /// Where a board on top of a frame has it, with half a battery's width of luck; the MPU-6000's scale may be 3 % off
+    /// (product specification 6.1).
+    pub const USUAL: BuiltIn = BuiltIn { at_m: [0.02, 0.01, -0.02], yaw_scale: 1.02 };
+}
+
 /// A flight.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
@@ -73,6 +90,8 @@ pub struct Case {
     pub rotor_inertia: f64,
     /// Inertia and lift are up to this share off.
     pub model_error: f64,
+    /// The IMU as it is built in.
+    pub imu: BuiltIn,
     /// Whether the core knows of lost motors.
     pub noticed: bool,
     /// After the failure, s.
@@ -142,6 +161,7 @@ impl Vehicle {
             Effect::InertiaError(InertiaError { axis: Axis::Roll, scale: scale() }),
             Effect::InertiaError(InertiaError { axis: Axis::Pitch, scale: scale() }),
             Effect::ThrustScale(ThrustScale { scale: scale() }),
+            Effect::GyroScale(GyroScale { axis: Axis::Yaw, scale: case.imu.yaw_scale }),
         ];
         VehicleModel { effects, ..self.nominal.clone() }
     }
@@ -161,7 +181,9 @@ impl Vehicle {
         let motor = (4.0 * draws.uniform()) as usize;
         let fails_us = FREE_US + 1_500_000 + (1e6 * draws.uniform()) as u64 / 833 * 833;
         let model = self.drawn(case, &mut draws);
-        let (mut plant, mut sensors) = (Plant::new(&model), Sensors::new(&model.noise, case.seed));
+        let mut plant = Plant::new(&model);
+        let sensors = Sensors::new(&model.noise, case.seed).with_effects(&model.effects);
+        let mut sensors = sensors.with_imu_at(case.imu.at_m);
         let (mut state, mut watch) = (State::default(), Watch::new(motor, if whole { u64::MAX } else { fails_us }));
         let mut gust = Gust::new(&mut draws);
         let mut input = StepInput::default();
