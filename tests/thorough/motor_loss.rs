@@ -49,8 +49,8 @@ fn a_lost_motor_is_named_and_the_vehicle_comes_upright() {
 }
 
 /// The same with an IMU that sits where a board has it and a gyro that is 2 % off, and where the air brakes the spin so
-/// little that it ends beyond the gyro's range: the vehicle comes upright and stays so, level to 2 degrees where no gusts
-/// push (the campaign's 0.6) and to 10 where they do (5.4).
+/// little that it ends beyond the gyro's range: the vehicle comes upright and stays so, level to 2 degrees where no
+/// gusts push (the campaign's 0.8) and to 10 where they do (6.2).
 #[test]
 fn an_imu_beside_the_spin_and_a_gyro_at_its_limit_are_no_matter() {
     for yaw_drag in [1.0, 0.38] {

@@ -63,9 +63,9 @@ mod tests {
     const LIMIT_RAD_S: f32 = 34.9;
 
     /// A spin that reaches 42 rad/s, of which the gyro shows 34.9 at most, either way round and with motors that lift a
-    /// third less for a while: known beyond it to 0.3 rad/s, though nobody has told its brake. Where the motors make a fifth
-    /// more than is believed, the brake that is found on the way leads to 43.8 rad/s in the end, and what a
-    /// third of the lift turns it less is believed less, too.
+    /// third less for a while: known beyond it to 0.3 rad/s, though nobody has told its brake. Where the motors make a
+    /// fifth more than is believed, the brake that is found on the way leads to 43.8 rad/s in the end, and what a third
+    /// of the lift turns it less is believed less, too.
     #[test]
     fn a_spin_beyond_the_limit_is_followed() {
         for (way, motors_share, allowed_rad_s) in [(1.0f32, 1.0f32, 0.3), (-1.0, 1.0, 0.3), (1.0, 1.2, 3.0)] {

@@ -235,8 +235,8 @@ pub fn alarms(minutes: u64) -> Vec<Alarms> {
 /// Failures as a table.
 pub fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| failure | flown | noticed | yaw drag | rotors | idle | model off by | IMU | suspected in 20 ms, % | 99 % in, ms | \
-         lost in 60 ms, % | 99 % in, ms | wrong | tilt: median / 95 %, deg | upright in 2 s / 4 s, % | \
+        "| failure | flown | noticed | yaw drag | rotors | idle | model off by | IMU | suspected in 20 ms, % | \
+         99 % in, ms | lost in 60 ms, % | 99 % in, ms | wrong | tilt: median / 95 %, deg | upright in 2 s / 4 s, % | \
          late tilt 95 %, deg | deviation 95 %, deg | heading 95 %, deg | spin, rad/s |\n\
          |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
