@@ -108,6 +108,11 @@ impl Vehicle {
         self.seats = seats;
     }
 
+    /// Where the first IMU sits from now on, from the centre of gravity, body axes, m; in it at first.
+    pub fn place_first_imu(&mut self, at_m: [f64; 3]) {
+        self.sensors = self.sensors.clone().with_imu_at(at_m);
+    }
+
     /// What the first IMU's accelerometer says too much of from now on, body axes, m/s^2.
     pub fn offset_accelerometer(&mut self, offset_m_s2: [f64; 3]) {
         self.accel_offset_m_s2 = offset_m_s2;

@@ -94,6 +94,7 @@ impl WholeTurn {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frames::q_from_rotation_vector;
 
     /// A vehicle spins at 16 rad/s, level; wind pushes it northwards by 2 m/s^2, and the IMU sits 2 cm ahead and 1 cm
     /// to the left of the axis. The mean over a turn is the wind's.
@@ -102,7 +103,7 @@ mod tests {
         let (spin_rad_s, step_s) = (16.0f32, 0.0025f32);
         let (mut turn, mut angle_rad, mut turns) = (WholeTurn::default(), 0.0f32, 0);
         for _ in 0..2000 {
-            let q = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle_rad + 0.5 * spin_rad_s * step_s);
+            let q = q_from_rotation_vector(&Vector3::new(0.0, 0.0, angle_rad + 0.5 * spin_rad_s * step_s));
             let wind = q.inverse() * Vector3::new(2.0, 0.0, 0.0);
             let place = Vector3::new(0.02, -0.01, 0.0) * (-spin_rad_s * spin_rad_s);
             let imu = ImuStep {
