@@ -149,13 +149,20 @@ impl DetectorConfig {
         self.step_s
     }
 
+    /// Angular acceleration of these lifts about yaw, rad/s^2.
+    pub(super) fn yaw_rad_s2(&self, lifts_n: &[f32; 4]) -> f32 {
+        let [.., sign] = TORQUE_SIGNS;
+        let lift_n: f32 = sign.iter().zip(lifts_n).map(|(sign, lift_n)| sign * lift_n).sum();
+        self.lever_m[2] * lift_n / self.inertia_kg_m2[2]
+    }
+
     /// A lift one step later, N, on its way to the wanted one.
     pub(super) fn lagged_n(&self, lift_n: f32, wanted_n: f32) -> f32 {
         wanted_n + self.lag.kept * (lift_n - wanted_n)
     }
 
     /// Angular acceleration of these lifts on a body that turns, rad/s^2.
-    pub(super) fn by_motors_rad_s2(&self, lifts_n: &[f32; 4], rate: &Vector3<f32>) -> [f32; 3] {
+    fn by_motors_rad_s2(&self, lifts_n: &[f32; 4], rate: &Vector3<f32>) -> [f32; 3] {
         let [ix, iy, iz] = self.inertia_kg_m2;
         let gyroscopic_nm = [(iy - iz) * rate.y * rate.z, (iz - ix) * rate.z * rate.x, (ix - iy) * rate.x * rate.y];
         core::array::from_fn(|axis| {
