@@ -195,7 +195,7 @@ impl DetectorState {
             accused,
             accused_steps,
         } = self;
-        commanded_n.iter().for_each(|commanded_n| words.numbers(commanded_n));
+        words.row(commanded_n.as_flattened());
         words.numbers(lifts_n);
         weak.record(words);
         fast.record(words);

@@ -37,6 +37,12 @@ impl StateWords {
         }
     }
 
+    /// Many in a row.
+    #[inline(never)] // at each of the places it costs flash
+    pub(crate) fn row(&mut self, numbers: &[f32]) {
+        self.numbers(numbers);
+    }
+
     pub(crate) fn vector(&mut self, vector: &Vector3<f32>) {
         self.numbers(&[vector.x, vector.y, vector.z]);
     }

@@ -82,8 +82,8 @@ pub struct NotchesState {
 impl NotchesState {
     pub(crate) fn record(&self, words: &mut StateWords) {
         let Self { past, past_band, product, power, angle_rad, share } = self;
-        words.numbers(past.as_flattened().as_flattened());
-        words.numbers(past_band.as_flattened().as_flattened());
+        words.row(past.as_flattened().as_flattened());
+        words.row(past_band.as_flattened().as_flattened());
         words.numbers(&[*product, *power, *angle_rad, *share]);
     }
 

@@ -51,7 +51,7 @@ impl Covariance {
 
     pub(super) fn record(&self, words: &mut StateWords) {
         for (i, row) in self.0.iter().enumerate() {
-            record_row(row.get(i..).unwrap_or_default(), words);
+            words.row(row.get(i..).unwrap_or_default());
         }
     }
 
@@ -162,10 +162,4 @@ fn dot(a: &Row, b: &Row) -> f32 {
         sum += a[i] * b[i];
     }
     sum
-}
-
-/// A row's own half.
-#[inline(never)] // nine times over it costs flash
-fn record_row(row: &[f32], words: &mut StateWords) {
-    words.numbers(row);
 }
