@@ -83,7 +83,7 @@ impl Catalogued for CgOffset {
                 })
             }
         };
-        scope.tilting_axes().map(of_axis).collect()
+        scope.borne_axes().map(of_axis).collect()
     }
 }
 

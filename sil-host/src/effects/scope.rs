@@ -53,6 +53,13 @@ impl Scope {
         self.turning_axes().filter(|axis| *axis != Axis::Yaw)
     }
 
+    /// Roll and pitch, as far as something may hold them by their angle: of a vehicle that the log shows flying free
+    /// nothing does, also where it is not known and its axes are taken one by one.
+    pub(super) fn borne_axes(&self) -> impl Iterator<Item = Axis> + use<> {
+        let is_borne = self.flies_free || !self.shown_free;
+        self.tilting_axes().filter(move |_| is_borne)
+    }
+
     /// Axes whose gyro can be checked: with nothing to compare it with a gyro is right, for a bias then changes
     /// nothing, and a scale is an inertia's.
     pub(super) fn gyro_axes(&self) -> impl Iterator<Item = Axis> + use<> {

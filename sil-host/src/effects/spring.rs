@@ -57,7 +57,7 @@ impl Catalogued for Spring {
                 Self { axis, stiffness_nm_rad, rest_rad: at_zero_nm / stiffness_nm_rad }
             })
         };
-        scope.tilting_axes().filter(|axis| scope.knows_angle(*axis)).map(of_axis).collect()
+        scope.borne_axes().filter(|axis| scope.knows_angle(*axis)).map(of_axis).collect()
     }
 }
 

@@ -11,6 +11,7 @@ use super::super::recording::{Fact, FactValue, Recording, Stream};
 use super::messages::{FRAMES, TIME};
 use crate::axis::Axis;
 use crate::statistics::wrapped;
+use crate::vehicle::signed_sums;
 
 const DEGREE_RAD: f64 = PI / 180.0;
 
@@ -137,13 +138,20 @@ fn motors(messages: &Messages, mut stream: Stream, facts: &mut Vec<Fact>) -> Res
     facts.push(Fact::said("output_max", FactValue::Number(most), "head, motorOutput or maxthrottle"));
     facts.push(Fact::assumed("output_min", FactValue::Number(least), "the protocol's, since output_max is its"));
     let poles = number(messages, "motor_poles").filter(|poles| *poles >= 2.0).unwrap_or(14.0);
+    let turns = reversed(messages, &order);
+    facts.extend((turns == Some(true)).then(spin_reversed));
     for (motor, given) in order.given.into_iter().enumerate() {
-        let text = format!("motor[{given}]: {}", ROTORS[given].in_words());
-        facts.push(Fact::assumed(
-            &format!("motor{}", motor + 1),
-            FactValue::Text(text),
-            "the mixer QUADX, motors not reversed",
-        ));
+        let rotor = Rotor {
+            is_counter_clockwise: ROTORS[given].is_counter_clockwise != (turns == Some(true)),
+            ..ROTORS[given]
+        };
+        let text = format!("motor[{given}]: {}", rotor.in_words());
+        let source = match turns {
+            Some(true) => "the mixer QUADX, motors reversed as its yaw shows",
+            Some(false) => "the mixer QUADX, motors not reversed as its yaw shows",
+            None => "the mixer QUADX, motors not reversed",
+        };
+        facts.push(Fact::assumed(&format!("motor{}", motor + 1), FactValue::Text(text), source));
         let field = format!("motor[{given}]");
         if let Some(column) = messages.column(FRAMES, &field) {
             let value = column.iter().map(|output| ((output - least) / (most - least)).clamp(0.0, 1.0)).collect();
@@ -153,6 +161,33 @@ fn motors(messages: &Messages, mut stream: Stream, facts: &mut Vec<Fact>) -> Res
         stream = stream.with(messages, &format!("eRPM[{given}]"), Quantity::Rpm(motor), 200.0 / poles);
     }
     Ok(stream)
+}
+
+/// Do the rotors turn the other way (`yaw_motors_reversed`, which no head says)? The mixer then adds the yaw
+/// controller's sum to the motors where it else takes it off. None where the motors follow it neither way.
+fn reversed(messages: &Messages, order: &MotorOrder) -> Option<bool> {
+    /// Correlation from which on they do follow it.
+    const FOLLOWS: f64 = 0.6;
+    let column = |field: String| messages.column(FRAMES, &field);
+    let motor: Vec<&[f64]> = order.given.iter().filter_map(|given| column(format!("motor[{given}]"))).collect();
+    let [a, b, c, d] = motor.try_into().ok()?;
+    let parts: Vec<&[f64]> = ["P", "I", "D", "F"].iter().filter_map(|part| column(format!("axis{part}[2]"))).collect();
+    let row = |row: usize| {
+        let yaw: f64 = parts.iter().map(|part| part[row]).sum();
+        (yaw, signed_sums([a[row], b[row], c[row], d[row]])[Axis::Yaw.index()])
+    };
+    let rows: Vec<(f64, f64)> = (0..a.len()).map(row).filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
+    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| rows.iter().map(of).sum::<f64>() / rows.len() as f64;
+    let (x, y) = (mean(&|(x, _)| *x), mean(&|(_, y)| *y));
+    let product = mean(&|(a, b)| (a - x) * (b - y));
+    let correlation = product / (mean(&|(a, _)| (a - x) * (a - x)) * mean(&|(_, b)| (b - y) * (b - y))).sqrt();
+    (correlation.abs() > FOLLOWS).then_some(correlation > 0.0)
+}
+
+/// All rotors turn the other way than docs/rig.md's.
+fn spin_reversed() -> Fact {
+    let text = "the rotors turn the other way than docs/rig.md's: yaw answers to the motors with the other sign";
+    Fact::said("spin", FactValue::Text(text.to_owned()), "the motors follow the sum of axisP[2] to axisF[2] that way")
 }
 
 /// Voltage is in 0.01 V since Betaflight 4 and INAV 3; what older firmware logged depends on its board.

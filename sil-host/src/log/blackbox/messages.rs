@@ -20,7 +20,8 @@ pub(super) const FRAMES: &str = "main";
 /// Time since the controller's start, us.
 pub(super) const TIME: &str = "time";
 /// The fields that are read, without their numbers.
-const FIELDS: [&str; 6] = ["gyroADC", "accSmooth", "attitude", "motor", "eRPM", "vbatLatest"];
+const FIELDS: [&str; 10] =
+    ["gyroADC", "accSmooth", "attitude", "motor", "eRPM", "vbatLatest", "axisP", "axisI", "axisD", "axisF"];
 /// No firmware logs as many fields.
 const FIELDS_MAX: usize = 256;
 /// Versions that the crate accepts, by the firmware.
@@ -92,16 +93,29 @@ fn accepted(head: &BTreeMap<String, String>) -> Result<String, String> {
                 }
             }
             _ if fields > FIELDS_MAX => return Err(format!("its head has {fields} entries in {name}")),
-            // other predictions than these stand for values of main frames
-            "Field S predictor" | "Field G predictor" | "Field H predictor"
-                if value.split(',').any(|predictor| !["0", "7", "10"].contains(&predictor.trim())) =>
-            {
-                return Err(format!("its head says {value} in {name}"));
+            // INAV has fields in slow frames that are predicted by the frame before; the crate knows none such, and
+            // nothing of a slow frame is wanted
+            "Field S predictor" => {
+                let known = value.split(',').map(|predictor| if predictor.trim() == "1" { "0" } else { predictor });
+                let known = known.collect::<Vec<&str>>().join(",");
+                text.push_str(&format!("H {name}:{}\n", predicted(name, &known)?));
+            }
+            "Field G predictor" | "Field H predictor" => {
+                text.push_str(&format!("H {name}:{}\n", predicted(name, value)?));
             }
             _ => text.push_str(&format!("H {name}:{value}\n")),
         }
     }
     Ok(text)
+}
+
+/// What predicts the fields of frames beside the main ones.
+///
+/// # Errors
+/// In words: other predictions than these stand for values of main frames.
+fn predicted<'a>(name: &str, value: &'a str) -> Result<&'a str, String> {
+    let is_known = |predictor: &str| ["0", "7", "10"].contains(&predictor.trim());
+    if value.split(',').all(is_known) { Ok(value) } else { Err(format!("its head says {value} in {name}")) }
 }
 
 /// The wanted fields of all main frames.

@@ -23,6 +23,8 @@ use std::ops::Range;
 
 /// Share of the usual collective below which nothing is held up.
 const IDLE: f64 = 0.5;
+/// Motors that do less than this share of the usual collective turn idly or stand, however they differ.
+const NOTHING: f64 = 0.05;
 /// A shorter time below is a manoeuvre, and a shorter one above a test of the motors, s.
 const SHORTEST_S: f64 = 1.0;
 /// Motors whose commands differ by this share of what they usually do, each as a share of the collective, steer: idling
@@ -83,15 +85,18 @@ impl Flown {
             collective.iter().zip(&active).map(|(value, active)| *active && *value > IDLE * usual).collect();
         let fill_short = |lifts: &mut [bool]| [false, true].iter().for_each(|kind| fill(&log.time_s, lifts, *kind));
         fill_short(&mut lifts);
-        keep_what_is_steered(log, &active, &collective, &mut lifts);
+        keep_what_is_steered(log, &active, (&collective, usual), &mut lifts);
         fill_short(&mut lifts);
         let flights: Vec<Flight> = stretches(&lifts)
             .into_iter()
             .filter(|rows| lifts[rows.start])
             .map(|rows| flight(log, off_the_ground(log, &collective, usual, rows)))
+            .filter(|flight| flight.to_s - flight.from_s >= SHORTEST_S)
             .collect();
         let mut notes: Vec<String> = saturation(log, &flights).into_iter().collect();
-        notes.extend([Axis::Roll, Axis::Pitch].into_iter().filter_map(|axis| end_stop(log, axis, &flights)));
+        if !log.shows_free_flight() {
+            notes.extend([Axis::Roll, Axis::Pitch].into_iter().filter_map(|axis| end_stop(log, axis, &flights)));
+        }
         Flown { flights, notes }
     }
 
@@ -186,7 +191,7 @@ fn stretches<T: PartialEq>(kinds: &[T]) -> Vec<Range<usize>> {
 }
 
 /// A low collective between lifting stretches, or beside one, is part of the flight where the axes are steered.
-fn keep_what_is_steered(log: &Log, active: &[bool], collective: &[f64], lifts: &mut [bool]) {
+fn keep_what_is_steered(log: &Log, active: &[bool], (collective, usual): (&[f64], f64), lifts: &mut [bool]) {
     let steering = steering(log);
     // root mean square of what turns the axes, as a share of the collective
     let share = |rows: &[usize]| {
@@ -196,14 +201,16 @@ fn keep_what_is_steered(log: &Log, active: &[bool], collective: &[f64], lifts: &
         if collective > 0.0 { f64::sqrt(squares * rows.len() as f64) / collective } else { 0.0 }
     };
     let lifting: Vec<usize> = (0..lifts.len()).filter(|row| lifts[*row]).collect();
-    let usual = share(&lifting);
+    let usual_share = share(&lifting);
     let stands = standing(log, &lifting);
     // motors at nothing stand, whatever the log says of its active rows
     let runs = (0..lifts.len()).map(|row| (lifts[row], active[row] && collective[row] > 0.0));
     for rows in stretches(&runs.collect::<Vec<(bool, bool)>>()) {
         let low: Vec<usize> = rows.clone().collect();
         let runs = active[rows.start] && collective[rows.start] > 0.0;
-        if !lifts[rows.start] && runs && usual > 0.0 && share(&low) > STEERED * usual {
+        let mean = low.iter().map(|row| collective[*row]).sum::<f64>() / low.len().max(1) as f64;
+        let does_something = runs && mean > NOTHING * usual;
+        if !lifts[rows.start] && does_something && usual_share > 0.0 && share(&low) > STEERED * usual_share {
             rows.for_each(|row| lifts[row] = !stands[row]);
         }
     }

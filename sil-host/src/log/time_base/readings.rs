@@ -148,14 +148,23 @@ impl<'a> Readings<'a> {
 }
 
 /// Puts a stream in order of time: a reading whose stamp is not after the one before replaces that one if it is after
-/// the one before that, and is left out else. Gives how many readings are gone.
+/// the one before that, and is left out else; one that is the one before to the bit was written twice, and is no
+/// accident. Gives how many readings are gone.
 ///
 /// # Errors
 /// They are more than an accident explains: the clock runs back.
 pub(super) fn put_in_order(stream: &mut Stream) -> Result<usize, LogErrorKind> {
     let mut kept: Vec<usize> = Vec::with_capacity(stream.time_s.len());
-    let mut first_back = None;
+    let (mut first_back, mut twice) = (None, 0);
+    let is_same = |a: usize, b: usize| {
+        let bits = |reading: usize| stream.columns.iter().map(move |column| column.value[reading].to_bits());
+        stream.time_s[a] == stream.time_s[b] && bits(a).eq(bits(b))
+    };
     for (reading, time_s) in stream.time_s.iter().enumerate().filter(|(_, time_s)| time_s.is_finite()) {
+        if kept.last().is_some_and(|last| is_same(*last, reading)) {
+            twice += 1;
+            continue;
+        }
         let at = |place: usize| kept.len().checked_sub(place).map(|at| stream.time_s[kept[at]]);
         if at(1).is_some_and(|last_s| *time_s <= last_s) {
             first_back = first_back.or(Some((reading, at(1).unwrap_or_default(), *time_s)));
@@ -167,7 +176,7 @@ pub(super) fn put_in_order(stream: &mut Stream) -> Result<usize, LogErrorKind> {
         kept.push(reading);
     }
     let gone = stream.time_s.len() - kept.len();
-    if gone as f64 > ACCIDENTS_MAX * stream.time_s.len() as f64 + 1.0 {
+    if (gone - twice) as f64 > ACCIDENTS_MAX * stream.time_s.len() as f64 + 1.0 {
         let (reading, before, now) = first_back.unwrap_or_default();
         return Err(LogErrorKind::TimeRunsBack { reading, before, now, gone });
     }

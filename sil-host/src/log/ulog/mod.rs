@@ -1,6 +1,8 @@
 //! PX4's logs (ULog): read through the crate `px4-ulog`, written for `sil fly --log`.
 
+mod allocation;
 mod messages;
+mod outputs;
 mod px4;
 #[cfg(test)]
 pub(super) mod tests;

@@ -10,10 +10,11 @@ use super::super::quantity::Quantity;
 use super::super::quaternions::euler_columns;
 use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
 use super::super::turned::PLUS_DEG;
+use super::{allocation, outputs};
 use crate::axis::Axis;
 
 /// The topics that are read.
-pub(super) const TOPICS: [&str; 12] = [
+pub(super) const TOPICS: [&str; 13] = [
     "vehicle_angular_velocity",
     "sensor_combined",
     "vehicle_attitude",
@@ -22,6 +23,7 @@ pub(super) const TOPICS: [&str; 12] = [
     "actuator_outputs",
     "actuator_controls_0",
     "vehicle_torque_setpoint",
+    "vehicle_thrust_setpoint",
     "battery_status",
     "learnt_model",
     "vehicle_local_position",
@@ -88,8 +90,12 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     recording.streams.extend(rates(messages));
     recording.streams.extend(attitude(messages));
     recording.streams.extend(reference(messages));
-    let motors = motors(messages, &order).or_else(|| outputs(messages, &order, &mut recording.facts));
-    recording.streams.extend(motors);
+    let mut motors = motors(messages, &order);
+    if let Some((mixed, told)) = motors.as_ref().and_then(|motors| allocation::motors(messages, motors)) {
+        motors = Some(mixed);
+        recording.notes.push(told);
+    }
+    recording.streams.extend(motors.or_else(|| outputs::motors(messages, &order, &mut recording.facts)));
     recording.streams.extend(axis_commands(messages));
     recording.streams.extend(position(messages, &mut recording.facts));
     recording.streams.extend(rotor_speeds(messages, &order));
@@ -136,12 +142,12 @@ fn stream(messages: &Messages, topic: &str) -> Option<Stream> {
     Some(Stream::at(topic, seconds(stamps)))
 }
 
-fn seconds(stamps_us: &[f64]) -> Vec<f64> {
+pub(super) fn seconds(stamps_us: &[f64]) -> Vec<f64> {
     stamps_us.iter().map(|stamp_us| stamp_us * 1e-6).collect()
 }
 
 /// Columns `name[0]`, `name[1]`, ...; none unless all are there.
-fn array<'a, const N: usize>(table: &'a Table, name: &str) -> Option<[&'a [f64]; N]> {
+pub(super) fn array<'a, const N: usize>(table: &'a Table, name: &str) -> Option<[&'a [f64]; N]> {
     let columns: Vec<&[f64]> = (0..N).map_while(|i| table.column(&format!("{name}[{i}]"))).collect();
     columns.try_into().ok()
 }
@@ -286,31 +292,6 @@ fn motors(messages: &Messages, order: &[usize; 4]) -> Option<Stream> {
     for (motor, given) in order.iter().enumerate() {
         let command = |value: &f64| if value.is_nan() { 0.0 } else { value.max(0.0) };
         stream.add(Quantity::Motor(motor), &format!("control[{given}]"), columns[*given].iter().map(command).collect());
-    }
-    Some(stream)
-}
-
-/// Outputs until version 1.12, pulse widths between those of no and full thrust.
-fn outputs(messages: &Messages, order: &[usize; 4], facts: &mut Vec<Fact>) -> Option<Stream> {
-    let topic = "actuator_outputs";
-    let mut stream = Stream::at(topic, seconds(messages.column(topic, "timestamp")?));
-    let columns = array::<4>(messages.table(topic)?, "output")?;
-    for (motor, given) in order.iter().enumerate() {
-        let [least, most] = [("MIN", 1000.0), ("MAX", 2000.0)].map(|(end, default)| {
-            let (own, all) = (format!("PWM_MAIN_{end}{}", given + 1), format!("PWM_{end}"));
-            // -1 stands for the value of all outputs
-            let said = [own, all].into_iter().find_map(|name| {
-                messages.parameter(&name).filter(|pulse_us| *pulse_us >= 0.0).map(|pulse_us| (name, pulse_us))
-            });
-            let fact = format!("motor{}_{}_us", motor + 1, end.to_lowercase());
-            facts.push(match &said {
-                Some((name, pulse_us)) => Fact::said(&fact, FactValue::Number(*pulse_us), &format!("parameter {name}")),
-                None => Fact::assumed(&fact, FactValue::Number(default), "no parameter; PX4's default"),
-            });
-            said.map_or(default, |(_, pulse_us)| pulse_us)
-        });
-        let command = |pulse_us: &f64| ((pulse_us - least) / (most - least)).clamp(0.0, 1.0);
-        stream.add(Quantity::Motor(motor), &format!("output[{given}]"), columns[*given].iter().map(command).collect());
     }
     Some(stream)
 }
