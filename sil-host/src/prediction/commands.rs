@@ -4,6 +4,7 @@ use super::drive::DirectInput;
 use super::error::NotPredictable;
 use super::force_track::Commands;
 use crate::axis::Axis;
+use crate::log::sanity::has_reversed_spin;
 use crate::log::{Log, Quantity};
 
 /// The commands of the four motors, each in force until the next row.
@@ -21,7 +22,11 @@ pub(crate) fn motor_commands(log: &Log) -> Result<Commands, NotPredictable> {
 
 /// What drives separate axes: the motors where a log has them, for they are what acts, else the axes' commands.
 pub(crate) fn direct_input(log: &Log) -> DirectInput {
-    if log.motors().is_some() { DirectInput::Motors } else { DirectInput::Axes }
+    match log.motors() {
+        None => DirectInput::Axes,
+        Some(_) if has_reversed_spin(log) => DirectInput::ReversedMotors,
+        Some(_) => DirectInput::Motors,
+    }
 }
 
 /// The commands that drive separate axes, each in force until the next row.
@@ -29,7 +34,7 @@ pub(crate) fn direct_input(log: &Log) -> DirectInput {
 /// # Errors
 /// The log has none for an axis that it is about.
 pub(crate) fn commands_of_axes(log: &Log) -> Result<Commands, NotPredictable> {
-    if direct_input(log) == DirectInput::Motors {
+    if direct_input(log) != DirectInput::Axes {
         return motor_commands(log);
     }
     for axis in Axis::ALL {
@@ -45,7 +50,8 @@ pub(crate) fn commands_of_axes(log: &Log) -> Result<Commands, NotPredictable> {
 /// Row by row (roll, pitch, yaw, 0): what the motors do about the axes, where the log has them; else the axis commands;
 /// 0 where it has neither.
 pub(crate) fn axis_commands(log: &Log) -> Vec<[f64; 4]> {
-    let of_motors = |motors: [&[f64]; 4], row: usize| DirectInput::Motors.about_axes(motors.map(|motor| motor[row]));
+    let input = direct_input(log);
+    let of_motors = |motors: [&[f64]; 4], row: usize| input.about_axes(motors.map(|motor| motor[row]));
     let of_axes = |row: usize| log.axis_command.each_ref().map(|column| column.as_ref().map_or(0.0, |own| own[row]));
     let motors = log.motors();
     let of_row = |row: usize| motors.map_or_else(|| of_axes(row), |motors| of_motors(motors, row));

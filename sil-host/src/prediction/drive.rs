@@ -26,6 +26,8 @@ pub(crate) enum DirectInput {
     Axes,
     /// Commands of four motors, 0..1.
     Motors,
+    /// The same of motors that turn the other way than docs/rig.md's.
+    ReversedMotors,
 }
 
 impl DirectInput {
@@ -35,6 +37,10 @@ impl DirectInput {
         match self {
             DirectInput::Axes => [force[0], force[1], force[2]],
             DirectInput::Motors => signed_sums(force).map(|sum| 0.5 * sum),
+            DirectInput::ReversedMotors => {
+                let [roll, pitch, yaw] = DirectInput::Motors.about_axes(force);
+                [roll, pitch, -yaw]
+            }
         }
     }
 }
@@ -63,7 +69,9 @@ impl Drive {
     pub(super) fn bent(&self, commands: [f64; 4], path: &CommandPath) -> [f64; 4] {
         match self {
             Drive::Direct(DirectInput::Axes) => commands,
-            Drive::Motors(_) | Drive::Direct(DirectInput::Motors) => commands.map(|command| path.bent(command)),
+            Drive::Motors(_) | Drive::Direct(DirectInput::Motors | DirectInput::ReversedMotors) => {
+                commands.map(|command| path.bent(command))
+            }
         }
     }
 
@@ -79,7 +87,9 @@ impl Drive {
     /// What of a command arrives behind the limits of the speed controllers.
     pub(crate) fn clipped(&self, command: [f64; 4], path: &CommandPath) -> [f64; 4] {
         core::array::from_fn(|i| match self {
-            Drive::Motors(_) | Drive::Direct(DirectInput::Motors) => path.clipped(command[i]),
+            Drive::Motors(_) | Drive::Direct(DirectInput::Motors | DirectInput::ReversedMotors) => {
+                path.clipped(command[i])
+            }
             Drive::Direct(DirectInput::Axes) => path.clipped_about_zero(command[i]),
         })
     }

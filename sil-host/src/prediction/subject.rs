@@ -64,7 +64,7 @@ impl Subject<'_> {
 
     /// True where each motor's command drives the vehicle, and not those of its axes.
     fn has_motors(&self, log: &Log) -> bool {
-        self.is_vehicle() || direct_input(log) == DirectInput::Motors
+        self.is_vehicle() || direct_input(log) != DirectInput::Axes
     }
 
     fn base_command(&self) -> Option<f64> {

@@ -201,6 +201,22 @@ fn single_stamps_out_of_order_cost_one_reading_each_and_a_clock_that_runs_back_i
     assert!(message.contains(&format!("its time stands still: reading 1 at {stamp} s follows {stamp} s")), "{message}");
 }
 
+/// Flight controllers write a message twice where two of their loops log it: that is no accident, however often.
+#[test]
+fn readings_that_were_written_twice_count_once() {
+    let good = times(1.0, 9.0, 100.0);
+    let twice: Vec<f64> =
+        good.iter().enumerate().flat_map(|(row, s)| vec![*s; 1 + usize::from(row % 4 == 0)]).collect();
+    let read = |time_s: &[f64]| {
+        let mut recording = several_rates();
+        recording.streams[2] = gyro(time_s);
+        log_of("log", recording, None).unwrap()
+    };
+    let (once, log) = (read(&good), read(&twice));
+    assert_eq!((log.time_s, log.rate_rad_s), (once.time_s, once.rate_rad_s));
+    assert!(log.notes.iter().any(|note| note.contains("gyro: 201 readings")), "{:?}", log.notes);
+}
+
 #[test]
 fn a_wild_reading_is_none_and_a_wrong_unit_is_an_error() {
     let mut recording = several_rates();
