@@ -200,3 +200,38 @@ fn has_volts(messages: &Messages) -> bool {
         _ => false,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::messages::Table;
+    use super::*;
+
+    /// Frames of a vehicle whose motors follow the yaw controller by so much of its sum, beside what roll does.
+    fn frames(by_yaw: f64) -> Messages {
+        let mut fields = vec![TIME.to_owned(), "axisP[2]".to_owned(), "axisI[2]".to_owned()];
+        fields.extend((0..4).map(|motor| format!("motor[{motor}]")));
+        let mut table = Table::with_fields(fields);
+        for row in 0..500 {
+            let t = f64::from(row);
+            let (p, i, roll) = (80.0 * libm::sin(0.1 * t), 20.0 * libm::cos(0.01 * t), 50.0 * libm::sin(0.37 * t));
+            // by the mixer's table, yaw taken off: rear right, front right, rear left, front left
+            let mix = [(-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)];
+            let motors = mix.map(|(by_roll, yaw)| 700.0 + by_roll * roll + by_yaw * yaw * (p + i));
+            table.push([1e3 * t, p, i].into_iter().chain(motors));
+        }
+        let tables = [(FRAMES.to_owned(), table)].into_iter().collect();
+        Messages { tables, ..Messages::default() }
+    }
+
+    #[test]
+    fn the_way_the_rotors_turn_is_the_one_in_which_they_follow_the_yaw_controller() {
+        let spin = |by_yaw| {
+            let facts = recording(&frames(by_yaw)).unwrap().facts;
+            let motor = facts.iter().find(|fact| fact.name == "motor1").unwrap().value.to_string();
+            (facts.iter().any(|fact| fact.name == "spin"), motor)
+        };
+        assert_eq!(spin(1.0), (false, "motor[1]: front right, counter-clockwise".to_owned()));
+        assert_eq!(spin(-1.0), (true, "motor[1]: front right, clockwise".to_owned()));
+        assert!(!spin(0.01).0, "what hardly follows it says nothing");
+    }
+}

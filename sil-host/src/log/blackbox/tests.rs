@@ -113,6 +113,21 @@ fn frames_are_read_in_our_signs_motors_and_units_whatever_the_firmware() {
     }
 }
 
+/// INAV predicts fields of its slow frames by the frame before, which nothing here is read of.
+#[test]
+fn slow_frames_may_be_predicted_by_the_one_before() {
+    let text = String::from_utf8_lossy(&file("INAV 8.0.0 (abc)", "")).into_owned();
+    assert!(text.contains("H Field S predictor:0\n"));
+    let replaced = |by: &str| {
+        let whole = file("INAV 8.0.0 (abc)", "");
+        let (from, to) = (&b"H Field S predictor:0"[..], format!("H Field S predictor:{by}").into_bytes());
+        let at = whole.windows(from.len()).position(|window| window == from).unwrap();
+        read([&whole[..at], &to, &whole[at + from.len()..]].concat())
+    };
+    assert_eq!(replaced("1").unwrap().rows(), 450);
+    assert!(replaced("3").unwrap_err().contains("Field S predictor"));
+}
+
 #[test]
 fn frames_behind_a_damaged_one_are_left_out_up_to_the_next_whole_one() {
     let mut frames = frames(450);

@@ -412,6 +412,17 @@ mod tests {
         assert_eq!(spans(&log), [[2.0, 10.0]]);
     }
 
+    /// PX4's stopped motors of a vehicle that waits on the ground: [0, 0.002, 0, 0.002], which differ by all they are.
+    #[test]
+    fn motors_that_do_next_to_nothing_are_no_flight_however_they_differ() {
+        let mut log = log_of(&[(6.0, 0.0), (8.0, 0.5), (5.0, 0.0)]);
+        for motor in [1, 3] {
+            log.motor_command[motor].iter_mut().flatten().for_each(|command| *command = command.max(0.002));
+        }
+        log.rate_rad_s = [Some((0..1900).map(|row| 0.1 * libm::sin(row as f64)).collect()), None, None];
+        assert_eq!(spans(&log), [[6.0, 14.0]]);
+    }
+
     #[test]
     fn on_the_ground_motors_may_be_steered_but_turn_nothing() {
         let mut log = log_of(&[(6.0, 0.1), (8.0, 0.5), (5.0, 0.1)]);
@@ -485,6 +496,9 @@ mod tests {
         let notes = Flown::of(&log).notes.join("; ");
         assert!(notes.contains("100 % of the flown rows a motor is at full command"), "{notes}");
         assert!(notes.contains("roll seems to hit an end stop at 0 deg") && notes.contains("57 deg"), "{notes}");
+        // nothing stops what flies free
+        let free = Log { comments: vec!["free flight".to_owned()], ..log.clone() };
+        assert!(!Flown::of(&free).notes.join("; ").contains("end stop"));
         // motors that turn it back are no stop: a controller's limit of tilt
         let turning_back = |row: usize| match phase(row) {
             95..105 => -0.1,

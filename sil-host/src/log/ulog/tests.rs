@@ -178,6 +178,82 @@ fn a_stopped_motor_and_pulse_widths_become_commands_from_0_to_1() {
     assert_eq!(log.motors().unwrap()[1][297..], [f64::from(0.2_f32), 0.0]);
 }
 
+/// Outputs of the driver whose motors move, here on a CAN bus, in place of those of one that drives nothing.
+#[test]
+fn motors_on_a_can_bus_are_those_that_move() {
+    let file =
+        File::new().topics(&[("sensor_combined", "float[3] gyro_rad;"), ("actuator_outputs", "float[4] output;")]);
+    let file = file.message(b'A', &[&[1, 2, 0], &b"actuator_outputs"[..]].concat());
+    let file = (0..300).fold(file, |file, row| {
+        let raw = [819.1, 2047.75, 4095.5, 8191.0];
+        file.data(0, 4000 * row, &[0.0, 0.1, 0.2]).data(1, 4000 * row, &[0.0; 4]).data(2, 4000 * row, &raw)
+    });
+    let commands = file.read().unwrap().motors().unwrap().map(|motor| motor[7]);
+    for (command, expected) in commands.into_iter().zip([0.1, 0.25, 0.5, 1.0]) {
+        assert!((command - expected).abs() < 1e-6, "{commands:?}");
+    }
+}
+
+/// Rows of a flight by PX4's default profile: motors 10 times a second, the set-points they are mixed of 50 times. One
+/// motor is told otherwise by so much; motor 4 is cut off at full command now and then.
+fn seldom(otherwise: f64) -> File {
+    let stamped = "uint64_t timestamp_sample;float[3] xyz;";
+    let file = File::new().topics(&[
+        ("vehicle_angular_velocity", "float[3] xyz;"),
+        ("actuator_motors", "uint64_t timestamp_sample;float[12] control;"),
+        ("vehicle_torque_setpoint", stamped),
+        ("vehicle_thrust_setpoint", stamped),
+    ]);
+    let sampled = |file: File, number: u8, stamp_us: u64, values: &[f32]| {
+        let values: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let stamps = [(stamp_us + 300).to_le_bytes(), stamp_us.to_le_bytes()].concat();
+        file.message(b'D', &[&[number, 0], &stamps[..], &values].concat())
+    };
+    (0..4000_u64).fold(file, |file, row| {
+        let stamp_us = 1_000_000 + 5000 * row;
+        let (torque, motors) = mixed(row, otherwise);
+        let file = file.data(0, stamp_us, &[0.0, 0.1, 0.2]);
+        let file = match row % 4 {
+            0 => sampled(sampled(file, 3, stamp_us, &[0.0, 0.0, -0.5]), 2, stamp_us, &torque),
+            _ => file,
+        };
+        let mut control = [f32::NAN; 12];
+        control[..4].copy_from_slice(&motors);
+        if row % 20 == 0 { sampled(file, 1, stamp_us, &control) } else { file }
+    })
+}
+
+/// Torques and motors of a row.
+fn mixed(row: u64, otherwise: f64) -> ([f32; 3], [f32; 4]) {
+    let t = row as f64;
+    let torque = [0.3 * libm::sin(0.07 * t), 0.2 * libm::cos(0.05 * t), 0.1 * libm::sin(0.013 * t)];
+    let mix = [[-0.7, 0.7, 0.5], [0.7, -0.7, 0.5], [0.7, 0.7, -0.5], [-0.9, -0.9, -0.6]];
+    let base = [0.5, 0.5, 0.5, 0.7];
+    let command = |motor: usize| {
+        let turns: f64 = mix[motor].iter().zip(torque).map(|(share, torque)| share * torque).sum();
+        let other = if motor == 0 { otherwise * libm::sin(0.3 * t) } else { 0.0 };
+        (base[motor] + turns + other).clamp(0.0, 1.0) as f32
+    };
+    (torque.map(|torque| torque as f32), [0, 1, 2, 3].map(command))
+}
+
+#[test]
+fn motors_between_their_rows_are_what_the_set_points_mix() {
+    let log = seldom(0.0).read().unwrap();
+    assert!(log.notes.iter().any(|note| note.contains("50 times a second: actuator_motors has 10")), "{:?}", log.notes);
+    let motors = log.motors().unwrap();
+    for (row, time_s) in log.time_s.iter().enumerate().skip(100).take(3000) {
+        // what was sent last before this row
+        let sent = ((time_s - 1.0003) / 0.02).floor() as u64 * 4;
+        for (motor, command) in mixed(sent, 0.0).1.into_iter().enumerate() {
+            assert!((motors[motor][row] - f64::from(command)).abs() < 2e-3, "{time_s} s, motor {}", motor + 1);
+        }
+    }
+    // set-points that say other motors than were told are left alone
+    let log = seldom(0.1).read().unwrap();
+    assert!(!log.notes.iter().any(|note| note.contains("set-points")), "{:?}", log.notes);
+}
+
 /// A log as `sil fly` makes it: times in whole us, all quantities that a ULog has a place for.
 fn any_log() -> impl Strategy<Value = Log> {
     (100usize..130, any::<bool>()).prop_flat_map(|(rows, optional)| {
