@@ -73,7 +73,7 @@ const COMMANDS_KEPT: usize = 13;
 /// What the detector needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetectorConfig {
-    step_s: f32,
+    pub(super) step_s: f32,
     delay_steps: usize,
     lag: LagStep,
     lag_s: f32,
@@ -142,11 +142,6 @@ impl DetectorConfig {
     /// Lift from which on a motor is judged, N.
     pub(super) fn judged_from_n(&self) -> f32 {
         self.judged_from_n
-    }
-
-    /// Time of a step, s.
-    pub(super) fn step_s(&self) -> f32 {
-        self.step_s
     }
 
     /// Angular acceleration of these lifts about yaw, rad/s^2.

@@ -203,7 +203,7 @@ impl MotorLoss {
             Stage::Lost(motor) => {
                 let lifts_n = self.detector.lifts_n();
                 let yaw_rad_s2 = config.detector.yaw_rad_s2(&lifts_n);
-                self.spin.update(config.detector.step_s(), felt.estimate.rate_body_rad_s.z, yaw_rad_s2);
+                self.spin.update(config.detector.step_s, felt.estimate.rate_body_rad_s.z, yaw_rad_s2);
                 let motors = (&config.lift_curve, config.rest.command);
                 let commands = config.control.commands(felt, &mut self.outside, motor, &lifts_n, motors);
                 *mix =
