@@ -52,6 +52,7 @@ pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
 pub use rig_shown::RigShown;
 pub(crate) use source::text_of;
 pub(crate) use style::Style;
+pub(crate) use time_base::SLOW_HZ;
 pub use wanted::{NotWanted, Rows, Wanted};
 pub use write::{write, write_file};
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::axis::Axis;
-use crate::log::{Column, Log};
+use crate::log::{Column, Log, SLOW_HZ};
 
 /// A flight in a few numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,8 @@ pub struct ShownFlight {
     /// How long the motors run, s.
     duration_s: f64,
     rows_hz: f64,
+    /// How often commands were logged, 1/s, where that is too seldom.
+    slow_commands_hz: Option<f64>,
     /// Largest tilt about roll or pitch, deg; none where no attitude is logged.
     tilt_deg: Option<f64>,
     /// Root mean squares of the rates about roll and pitch, deg/s; none where no rate is logged.
@@ -39,6 +41,7 @@ impl ShownFlight {
         ShownFlight {
             duration_s: steps.sum(),
             rows_hz: log.rate_hz(),
+            slow_commands_hz: log.sent_commands.as_ref().map(|sent| sent.rate_hz()).filter(|hz| *hz < SLOW_HZ),
             tilt_deg: tilt(Axis::Roll).into_iter().chain(tilt(Axis::Pitch)).reduce(f64::max),
             rate_deg_s: [Axis::Roll, Axis::Pitch].map(rate),
         }
@@ -49,6 +52,9 @@ impl ShownFlight {
 impl fmt::Display for ShownFlight {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{:.1} s at {:.0} rows/s", self.duration_s, self.rows_hz)?;
+        if let Some(hz) = self.slow_commands_hz {
+            write!(out, ", its commands {hz:.0} times a second, where {SLOW_HZ:.0} are needed")?;
+        }
         if let Some(tilt_deg) = self.tilt_deg {
             write!(out, ", tilted by up to {tilt_deg:.0} deg")?;
         }
@@ -87,8 +93,13 @@ mod tests {
             "3.0 s at 50 rows/s, tilted by up to 6 deg, turning at 11 deg/s in roll and 6 in pitch (root mean square)"
         );
         assert_eq!(
-            ShownFlight::of(&Log { angle_rad: Default::default(), rate_rad_s: Default::default(), ..log }).to_string(),
+            ShownFlight::of(&Log { angle_rad: Default::default(), rate_rad_s: Default::default(), ..log.clone() })
+                .to_string(),
             "3.0 s at 50 rows/s"
         );
+        let sent = Log { time_s: (0..40).map(|row| f64::from(row) * 0.1).collect(), ..Log::default() };
+        let seldom = Log { sent_commands: Some(Box::new(sent)), ..log };
+        let said = ShownFlight::of(&seldom).to_string();
+        assert!(said.starts_with("3.0 s at 50 rows/s, its commands 10 times a second, where 30 are needed"), "{said}");
     }
 }

@@ -97,7 +97,7 @@ fn fill(log: &mut Log, quantities: &Quantities<'_>, rows_s: &[f64]) {
 }
 
 /// Commands per second below which a log says little about a vehicle whose motors follow within 30 to 60 ms.
-const SLOW_HZ: f64 = 30.0;
+pub(crate) const SLOW_HZ: f64 = 30.0;
 
 /// What the log is about, when its motors run, and what its reader should know.
 fn describe(log: &mut Log, quantities: &Quantities<'_>, rows_tried: usize, map: Option<&Map>) {
