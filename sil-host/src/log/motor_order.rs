@@ -23,6 +23,10 @@ impl Rotor {
     }
 }
 
+/// What the fact `spin` says where all rotors turn the other way than ours do.
+pub(super) const SPIN_REVERSED: &str =
+    "the rotors turn the other way than docs/rig.md's: yaw answers to the motors with the other sign";
+
 /// Which of our motors four rotors are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MotorOrder {

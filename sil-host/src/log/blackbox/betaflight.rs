@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use super::super::messages::Messages;
-use super::super::motor_order::{MotorOrder, Rotor};
+use super::super::motor_order::{MotorOrder, Rotor, SPIN_REVERSED};
 use super::super::quantity::{GRAVITY_M_S2, Quantity};
 use super::super::recording::{Fact, FactValue, Recording, Stream};
 use super::messages::{FRAMES, TIME};
@@ -186,8 +186,11 @@ fn reversed(messages: &Messages, order: &MotorOrder) -> Option<bool> {
 
 /// All rotors turn the other way than docs/rig.md's.
 fn spin_reversed() -> Fact {
-    let text = "the rotors turn the other way than docs/rig.md's: yaw answers to the motors with the other sign";
-    Fact::said("spin", FactValue::Text(text.to_owned()), "the motors follow the sum of axisP[2] to axisF[2] that way")
+    Fact::said(
+        "spin",
+        FactValue::Text(SPIN_REVERSED.to_owned()),
+        "the motors follow the sum of axisP[2] to axisF[2] that way",
+    )
 }
 
 /// Voltage is in 0.01 V since Betaflight 4 and INAV 3; what older firmware logged depends on its board.

@@ -2,7 +2,7 @@
 //! forward-right-down, world north-east-down, angles in degrees, rates in rad/s, outputs as pulse widths in us.
 
 use super::super::messages::Messages;
-use super::super::motor_order::{MotorOrder, Rotor};
+use super::super::motor_order::{MotorOrder, Rotor, SPIN_REVERSED};
 use super::super::quantity::Quantity;
 use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
 use super::super::turned::PLUS_DEG;
@@ -204,8 +204,7 @@ fn motor_order(messages: &Messages, facts: &mut Vec<Fact>, frame_turn_deg: &mut 
         facts.push(make(&format!("motor{}", motor + 1), FactValue::Text(text), &source));
     }
     if order.is_spin_reversed {
-        let text = "the rotors turn the other way than docs/rig.md's: yaw answers to the motors with the other sign";
-        facts.push(make("spin", FactValue::Text(text.to_owned()), &source));
+        facts.push(make("spin", FactValue::Text(SPIN_REVERSED.to_owned()), &source));
     }
     Ok(order.given)
 }

@@ -5,7 +5,7 @@
 use shared_control::learning::adoption::LearntModel;
 
 use super::super::messages::{Messages, Table};
-use super::super::motor_order::{MotorOrder, Rotor};
+use super::super::motor_order::{MotorOrder, Rotor, SPIN_REVERSED};
 use super::super::quantity::Quantity;
 use super::super::quaternions::euler_columns;
 use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
@@ -280,8 +280,7 @@ fn plus(source: &str) -> Fact {
 
 /// All rotors turn the other way than docs/rig.md's.
 fn spin_reversed() -> Fact {
-    let text = "the rotors turn the other way than docs/rig.md's: yaw answers to the motors with the other sign";
-    Fact::said("spin", FactValue::Text(text.to_owned()), "parameters CA_ROTOR0_KM to CA_ROTOR3_KM")
+    Fact::said("spin", FactValue::Text(SPIN_REVERSED.to_owned()), "parameters CA_ROTOR0_KM to CA_ROTOR3_KM")
 }
 
 /// Commands of the control allocation, 0 to 1; no number stands for a stopped motor.
