@@ -8,12 +8,14 @@
 //!   (`campaigns::real_logs::injection_score`)? With `--against recorded` or `--against others` the answers are
 //!   those of `sil diagnose --baseline` (`campaigns::real_logs::injection_baseline`).
 //!
-//! Options: `--only TEXT` (repeatable) logs whose `VEHICLE/LOG` contains it; `--quick` without halves and cuts;
+//! Options: `--folder DIR` the logs of this folder, each as `sil diagnose LOG` takes it, with `LOG.map.toml` beside it
+//! for its map, instead of those of `$SIL_DATA`; `--only TEXT` (repeatable) logs whose `VEHICLE/LOG` contains it; `--quick` without halves and cuts;
 //! `--no-cuts` without cuts; `--no-stability` each answer as `sil diagnose --quick` gives it; `--patience S` no further
 //! cut of a log after so many seconds; `--threads N` so many logs side by side (1); `--json FILE` all figures; `--list`
 //! the logs' names alone. An injection knows `--only`, `--threads`, `--json`, `--list` and `--against`.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
 
@@ -23,7 +25,7 @@ use campaigns::real_logs::{folder, injection_score, stand, tables};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if folder().is_none() {
+    if !arguments.iter().any(|argument| argument == "--folder") && folder().is_none() {
         return ExitCode::SUCCESS;
     }
     let result = match arguments.split_first() {
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
 }
 
 struct Options {
+    folder: Option<PathBuf>,
     only: Vec<String>,
     effort: Effort,
     threads: usize,
@@ -66,11 +69,12 @@ struct Options {
 impl Options {
     fn read(arguments: &[String]) -> Result<Options, String> {
         let effort = Effort { stability: true, halves: true, cuts: true, patience_s: f64::INFINITY };
-        let mut options = Options { only: Vec::new(), effort, threads: 1, json: None, is_list: false, against: None };
+        let mut options = Options { folder: None, only: Vec::new(), effort, threads: 1, json: None, is_list: false, against: None };
         let mut arguments = arguments.iter();
         while let Some(option) = arguments.next() {
             let mut value = || arguments.next().cloned().ok_or(format!("{option} needs a value"));
             match option.as_str() {
+                "--folder" => options.folder = Some(PathBuf::from(value()?)),
                 "--only" => options.only.push(value()?),
                 "--json" => options.json = Some(value()?),
                 "--threads" => options.threads = number(&value()?)?,
@@ -87,20 +91,30 @@ impl Options {
     }
 
     /// The logs that are chosen; none where only their names are wanted, which it prints.
-    fn entries(&self) -> Vec<Entry> {
-        let is_chosen =
-            |entry: &Entry| self.only.is_empty() || self.only.iter().any(|text| entry.label().contains(text));
-        let mut entries = scoreboard::entries();
-        entries.retain(is_chosen);
+    fn entries(&self) -> Result<Vec<Entry>, String> {
+        let is_chosen = |label: &str| self.only.is_empty() || self.only.iter().any(|text| label.contains(text));
+        let mut entries = match &self.folder {
+            None => scoreboard::entries(),
+            Some(folder) => {
+                let mut paths = scoreboard::files_of(folder)?;
+                paths.retain(|path| is_chosen(&path.to_string_lossy()));
+                let read = scoreboard::side_by_side(&paths, self.threads, |path| Entry::of_file(path), |_, _| ());
+                let said = |(path, read): (&PathBuf, Result<Entry, String>)| {
+                    read.inspect_err(|reason| println!("{}: no answer: {reason}\n", path.display())).ok()
+                };
+                paths.iter().zip(read).filter_map(said).collect()
+            }
+        };
+        entries.retain(|entry| self.folder.is_some() || is_chosen(&entry.label()));
         if self.is_list {
             entries.iter().for_each(|entry| println!("{}", entry.label()));
             entries.clear();
         }
-        entries
+        Ok(entries)
     }
 
     fn score(&self) -> Result<(), String> {
-        let entries = self.entries();
+        let entries = self.entries()?;
         // a campaign of hours that is ended early leaves the figures that it had
         let so_far = Mutex::new(BTreeMap::new());
         let logs = scoreboard::side_by_side(
@@ -129,7 +143,7 @@ impl Options {
             Some(normal) => injection_baseline::score(entry, normal),
             None => injection_score::score(entry),
         };
-        let outcomes = scoreboard::side_by_side(&self.entries(), self.threads, score, |_, outcomes| {
+        let outcomes = scoreboard::side_by_side(&self.entries()?, self.threads, score, |_, outcomes| {
             outcomes.iter().for_each(|one| eprintln!("{}", injection_score::line(one)))
         });
         if self.is_list {

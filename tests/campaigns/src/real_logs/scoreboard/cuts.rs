@@ -42,14 +42,14 @@ pub fn spans_of(log: &Log, is_wanted: impl Fn(usize) -> bool) -> Vec<Span> {
 /// near. Halves of the time may have all manoeuvres on one side, and the other says nothing.
 pub fn halves(log: &Log, spans: &[Span]) -> [Vec<Span>; 2] {
     let whole_s = total_s(spans);
-    let mut middle_s = turning_half_over(log, spans);
-    let mut end_s = 0.0;
-    for span in spans {
-        end_s += span[1] - span[0];
-        if (end_s - middle_s).abs() <= BETWEEN_STRETCHES * whole_s {
-            middle_s = end_s;
-        }
-    }
+    let half_s = turning_half_over(log, spans);
+    let ends_s = spans.iter().scan(0.0, |end_s, [from, to]| {
+        *end_s += to - from;
+        Some(*end_s)
+    });
+    let from_half_s = |end_s: &f64| (end_s - half_s).abs();
+    let between = ends_s.filter(|end_s| from_half_s(end_s) <= BETWEEN_STRETCHES * whole_s);
+    let middle_s = between.min_by(|a, b| from_half_s(a).total_cmp(&from_half_s(b))).unwrap_or(half_s);
     [part(spans, [0.0, middle_s]), part(spans, [middle_s, whole_s])]
 }
 
@@ -149,6 +149,15 @@ mod tests {
         let (end, begin) = parted_at(&even, &[[0.0, 10.0]]);
         assert!((end - 5.0).abs() < 0.02 && (begin - end).abs() < 1e-9, "{end}");
         assert_eq!(parted_at(&even, &[[4.5, 11.0], [18.0, 25.0]]), (11.0, 18.0));
+    }
+
+    #[test]
+    fn of_many_short_stretches_the_one_that_ends_nearest_to_the_middle_ends_the_first_half() {
+        let time_s: Vec<f64> = (0..2500).map(|row| 0.01 * f64::from(row)).collect();
+        let log = Log { rate_rad_s: [None, Some(vec![1.0; 2500]), None], time_s, ..Log::default() };
+        let spans: Vec<Span> = (0..24).map(|second| [f64::from(second), f64::from(second) + 0.9]).collect();
+        let [first, second] = halves(&log, &spans);
+        assert_eq!((first.len(), second.len()), (12, 12));
     }
 
     #[test]

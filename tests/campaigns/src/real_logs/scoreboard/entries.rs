@@ -1,14 +1,14 @@
 //! Which logs are scored: every one that the CSV reader reads, on the stretches in which the vehicle flies or turns
-//! freely (the logs' own READMEs).
+//! freely (the logs' own READMEs). Or any folder of logs, each as `sil diagnose LOG` takes it.
 //!
 //! Not among them: runs of the stand that are shorter than the 100 rows of a log (most open-loop runs: 0.5 to 2 s at 50
 //! Hz between two end stops), and its swings with the motors off, which have no commands.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use sil_host::answer::{HeldAgainst, Said};
 use sil_host::diagnosis::Subject;
-use sil_host::log::Log;
-use sil_host::model::VehicleModel;
+use sil_host::log::{Log, Map, Wanted};
 
 use crate::real_logs::{crazyflie, files, load, name_of};
 
@@ -38,23 +38,49 @@ const SHARIF: [(&str, &str, [f64; 2]); 17] = [
     ("ol_yaw_III", "sharif_yaw", [5.5, 10.0]),
 ];
 
+/// What stands beside a log of a folder whose columns need a map: the log's name with this behind it.
+const MAP_BESIDE: &str = ".map.toml";
+
 /// A log and how it is read.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Entry {
-    /// Whose vehicle.
-    pub vehicle: &'static str,
+    /// Whose vehicle; of a folder's logs the folder.
+    pub vehicle: String,
     /// The log's name.
     pub name: String,
     path: PathBuf,
-    map: &'static str,
-    spans_s: Vec<[f64; 2]>,
-    /// The shipped model; separate axes without one.
-    model: Option<VehicleModel>,
+    source: Source,
+    against: HeldAgainst,
+}
+
+#[derive(Clone, Debug)]
+enum Source {
+    /// By a shipped map, the stretches that are scored.
+    Mapped(&'static str, Vec<[f64; 2]>),
+    /// What flew of it, read already: its vehicle was identified.
+    Flown(Box<Log>),
 }
 
 impl Entry {
-    fn new(vehicle: &'static str, path: PathBuf, map: &'static str, spans_s: &[[f64; 2]]) -> Entry {
-        Entry { vehicle, name: name_of(&path), path, map, spans_s: spans_s.into(), model: None }
+    fn new(vehicle: &str, path: PathBuf, map: &'static str, spans_s: &[[f64; 2]]) -> Entry {
+        let source = Source::Mapped(map, spans_s.into());
+        Entry { vehicle: vehicle.to_owned(), name: name_of(&path), path, source, against: HeldAgainst::default() }
+    }
+
+    /// A file as `sil diagnose` takes it that is told nothing but a map, where one stands beside it.
+    ///
+    /// # Errors
+    /// In the words of `sil diagnose`.
+    pub fn of_file(path: &Path) -> Result<Entry, String> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let map = path.with_file_name(format!("{name}{MAP_BESIDE}"));
+        let map = map.is_file().then(|| Map::load(&map.to_string_lossy())).transpose().map_err(|e| e.to_string())?;
+        let said = Said { is_mapped: map.is_some(), ..Said::default() };
+        let mut file = std::fs::File::open(path).map_err(|e| e.to_string())?;
+        let log = Wanted { map, ..Wanted::default() }.read(path, &mut file).map_err(|e| e.to_string())?.examined();
+        let against = HeldAgainst::of(&log, &said, &[], None, &|_| ()).map_err(|e| e.to_string())?;
+        let folder = path.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Entry { vehicle: folder, name, path: path.to_owned(), source: Source::Flown(Box::new(log)), against })
     }
 
     /// `VEHICLE/LOG`.
@@ -67,18 +93,41 @@ impl Entry {
     /// # Panics
     /// It can't be read.
     pub fn log(&self) -> Log {
-        load(&self.path, self.map).within(&self.spans_s).unwrap_or_else(|e| panic!("{e}"))
+        match &self.source {
+            Source::Mapped(map, spans_s) => {
+                load(&self.path, map).within(spans_s).unwrap_or_else(|e| panic!("{}: {e}", self.label()))
+            }
+            Source::Flown(log) => (**log).clone(),
+        }
     }
 
-    /// True of another log of the same vehicle with the same columns.
+    /// True of another log of the same vehicle with the same columns; a folder's logs may be of any vehicles.
     pub fn is_like(&self, other: &Entry) -> bool {
-        (self.vehicle, self.map) == (other.vehicle, other.map) && self.path != other.path
+        let maps = [self, other].map(|entry| match &entry.source {
+            Source::Mapped(map, _) => Some(*map),
+            Source::Flown(_) => None,
+        });
+        self.vehicle == other.vehicle && maps[0].is_some() && maps[0] == maps[1] && self.path != other.path
     }
 
     /// What the log is compared with.
     pub fn subject(&self) -> Subject<'_> {
-        self.model.as_ref().map_or(Subject::Axes, Subject::Vehicle)
+        self.against.subject()
     }
+}
+
+/// The files of a folder, but for maps beside them, in the order of their names.
+///
+/// # Errors
+/// The folder can't be read.
+pub fn files_of(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let in_folder = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let entries = std::fs::read_dir(folder).map_err(in_folder)?;
+    let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>();
+    let mut paths = paths.map_err(in_folder)?;
+    paths.retain(|path| path.is_file() && !path.to_string_lossy().ends_with(MAP_BESIDE));
+    paths.sort();
+    Ok(paths)
 }
 
 /// All of them, vehicle by vehicle; none where the logs are absent.
@@ -102,9 +151,9 @@ pub fn entries() -> Vec<Entry> {
     for (start, spans_s) in [("log15", &[crazyflie::ROLL_PITCH_S][..]), ("log16", &crazyflie::YAW_S[..])] {
         for path in files("flight_crazyflie_arplab", start) {
             let entry = Entry::new("crazyflie", path, "crazyflie_arplab", spans_s);
-            entries.push(Entry { model: Some(crazyflie::vehicle()), ..entry });
+            entries.push(Entry { against: HeldAgainst { vehicle: Some(crazyflie::vehicle()), ..HeldAgainst::default() }, ..entry });
         }
     }
-    entries.sort_by_key(|entry| entry.vehicle);
+    entries.sort_by_key(|entry| entry.vehicle.clone());
     entries
 }

@@ -29,7 +29,7 @@ use serde::Serialize;
 pub use answer::{Named, sized_terms};
 pub use channels::{COMMAND_MIN, command_std};
 pub use cuts::spans_of;
-pub use entries::{Entry, entries};
+pub use entries::{Entry, entries, files_of};
 pub use score::{Effort, LogScore, score};
 pub use summary::Summary;
 pub use table::{of_log, of_summary};
@@ -50,15 +50,15 @@ impl Scoreboard {
     }
 }
 
-/// Does something with each of some logs, so many side by side, each in one thread; the results in the order of the
+/// Does something with each of some logs or files, so many side by side, each in one thread; the results in the order of the
 /// logs. `done` is called with each, and its number, as it is there.
 ///
 /// # Panics
 /// The system has no threads to give.
-pub fn side_by_side<T: Send>(
-    entries: &[Entry],
+pub fn side_by_side<E: Sync, T: Send>(
+    entries: &[E],
     threads: usize,
-    of: impl Fn(&Entry) -> T + Sync,
+    of: impl Fn(&E) -> T + Sync,
     done: impl Fn(usize, &T) + Sync,
 ) -> Vec<T> {
     let next = AtomicUsize::new(0);

@@ -40,7 +40,7 @@ pub struct Effort {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogScore {
     /// Whose vehicle.
-    pub vehicle: &'static str,
+    pub vehicle: String,
     /// The log's name.
     pub name: String,
     /// Time in which it can be predicted, s.
@@ -141,7 +141,7 @@ pub fn score(entry: &Entry, effort: &Effort) -> LogScore {
     let answer = caught(|| diagnose_observed(&log, &subject, &known, of_answer, &observe).map_err(|e| e.to_string()));
     let checked_s = begin.elapsed().as_secs_f64();
     let mut score = LogScore {
-        vehicle: entry.vehicle,
+        vehicle: entry.vehicle.clone(),
         name: entry.name.clone(),
         usable_s: spans.iter().map(|[from, to]| to - from).sum(),
         rate_hz: 1.0 / log.mean_regular_step_s(),

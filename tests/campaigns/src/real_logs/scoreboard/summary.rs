@@ -307,7 +307,7 @@ mod tests {
 
     fn log(verdict: &str, channels: Vec<ChannelScore>, findings: Vec<FindingScore>) -> LogScore {
         LogScore {
-            vehicle: "v",
+            vehicle: "v".to_owned(),
             name: "n".to_owned(),
             usable_s: 10.0,
             rate_hz: 100.0,

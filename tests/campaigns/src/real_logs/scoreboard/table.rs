@@ -151,7 +151,7 @@ fn write_summary(out: &mut String, scores: &[LogScore]) -> fmt::Result {
          | abs(z) prescribed: the same | stable in the cuts, of | time: median, longest, s |"
     )?;
     writeln!(out, "|{}", "---|".repeat(10))?;
-    let vehicles: BTreeSet<&str> = scores.iter().map(|score| score.vehicle).collect();
+    let vehicles: BTreeSet<&str> = scores.iter().map(|score| score.vehicle.as_str()).collect();
     let all: Vec<&LogScore> = scores.iter().collect();
     for vehicle in vehicles {
         let own: Vec<&LogScore> = scores.iter().filter(|score| score.vehicle == vehicle).collect();
