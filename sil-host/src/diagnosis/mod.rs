@@ -55,6 +55,8 @@ mod tests;
 use serde::Serialize;
 
 use crate::log::Log;
+pub use crate::log::sanity::ByReference;
+use crate::log::sanity::by_reference;
 pub use crate::prediction::Subject;
 use crate::prediction::accuracy;
 use crate::prediction::commands::axis_commands;
@@ -111,6 +113,8 @@ pub struct Diagnosis {
     /// Motors' lag and the delay before them together, s, which a log shows far better than either; none where not
     /// both are fitted.
     pub lateness_s: Option<Estimate>,
+    /// Gains by what follows from the pilot's stick or the reference alone; of axes that show them surely.
+    pub by_reference: Vec<ByReference>,
     /// What not to rely on among the base model's numbers, in sentences.
     pub warnings: Vec<String>,
     /// Most important first.
@@ -312,8 +316,12 @@ fn answer<'e>(
     let statistics = evidence::statistics::statistics(shooting, judged, &commands);
     let horizons = evidence::horizons::horizons(&shooting.log, &driven);
     let base_terms = base::terms(search, found);
-    let warnings = evidence::warnings::warnings(&base_terms, &horizons);
-    let verdict = Verdict::of(&findings, &base_terms, &unexplained, &statistics);
+    let by_reference: Vec<ByReference> = by_reference(log.commanding()).into_iter().flatten().collect();
+    let warnings = evidence::warnings::warnings(&base_terms, &by_reference, &horizons);
+    let verdict = match evidence::warnings::denied(&base_terms, &by_reference).next() {
+        Some(_) => Verdict::NotShown,
+        None => Verdict::of(&findings, &base_terms, &unexplained, &statistics),
+    };
     let [nominal_model, _, extended_model] = &driven;
     let (conditions, spectra) = evidence::conditions::conditions(
         &shooting.log,
@@ -327,6 +335,7 @@ fn answer<'e>(
         known: Vec::new(),
         base: base_terms,
         lateness_s: lateness::together_s(search, &found.refitted.chosen),
+        by_reference,
         warnings,
         findings,
         rejected,

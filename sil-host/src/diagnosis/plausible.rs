@@ -1,5 +1,5 @@
 //! What no vehicle can have is no finding: a number at the end of its range, where the fit wanted to go on; commands
-//! clipped until nothing of them is left.
+//! clipped until nothing of them is left; a battery that gives more the emptier it is.
 
 use crate::diagnosis::fitting::fit::{Nominal, Term, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
@@ -15,7 +15,15 @@ const INPUT_MIN: f64 = 0.5;
 pub(super) fn is_plausible(shooting: &Shooting<'_>, nominal: Nominal<'_>, terms: &[Term<'_>]) -> bool {
     let Some(Term { effect, values }) = terms.last() else { return true };
     let mut numbers = effect.unknowns().iter().zip(values);
-    !numbers.any(|(unknown, value)| is_at_bound(unknown, *value)) && leaves_input(shooting, nominal, terms)
+    let is_inside = !numbers.any(|(unknown, value)| is_at_bound(unknown, *value));
+    is_inside && leaves_input(shooting, nominal, terms) && is_drained(&model_of(nominal, terms))
+}
+
+/// Does the battery give less thrust with time, and with each volt that it has lost? By volts it may seem to give more
+/// where what a motor does per command rises with its speed: whoever gives more throttle draws the voltage down.
+fn is_drained(model: &Model) -> bool {
+    let lift = &model.changes.chain.lift;
+    lift.loss_per_volt >= 0.0 && lift.loss_per_s >= 0.0
 }
 
 /// Is one of a model's numbers at the end of its range?

@@ -211,6 +211,8 @@ pub struct Log {
     pub thrust_command: Column,
     /// Reference angles, rad.
     pub reference_rad: [Column; 3],
+    /// The pilot's sticks -1..1, likewise.
+    pub stick: [Column; 3],
     /// Battery voltage, V.
     pub battery_v: Column,
     /// Measured rotor speeds, 1/min.
@@ -319,6 +321,7 @@ impl Log {
             Quantity::Rate(axis) => &self.rate_rad_s[axis.index()],
             Quantity::Motor(motor) => &self.motor_command[motor],
             Quantity::Reference(axis) => &self.reference_rad[axis.index()],
+            Quantity::Stick(axis) => &self.stick[axis.index()],
             Quantity::Command(axis) => &self.axis_command[axis.index()],
             Quantity::Thrust => &self.thrust_command,
             Quantity::Battery => &self.battery_v,
@@ -341,6 +344,7 @@ impl Log {
             Quantity::Rate(axis) => &mut self.rate_rad_s[axis.index()],
             Quantity::Motor(motor) => &mut self.motor_command[motor],
             Quantity::Reference(axis) => &mut self.reference_rad[axis.index()],
+            Quantity::Stick(axis) => &mut self.stick[axis.index()],
             Quantity::Command(axis) => &mut self.axis_command[axis.index()],
             Quantity::Thrust => &mut self.thrust_command,
             Quantity::Battery => &mut self.battery_v,

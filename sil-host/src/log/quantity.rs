@@ -33,6 +33,8 @@ pub enum Quantity {
     Velocity(Axis),
     /// Height of the rotors above ground, m.
     Height,
+    /// The pilot's stick -1..1: to the right, nose up, clockwise from above.
+    Stick(Axis),
 }
 
 /// A unit: how it ends a column's name, its symbol, and its size in the unit that a log holds.
@@ -52,9 +54,10 @@ const ACCELERATION: &[Unit] = &[("_m_s2", "m/s^2", 1.0), ("_g", "g", GRAVITY_M_S
 
 impl Quantity {
     /// Every quantity, in the order in which a file is written.
-    pub const ALL: [Quantity; 30] = {
+    pub const ALL: [Quantity; 33] = {
         use Axis::{Pitch, Roll, Yaw};
-        use Quantity::{Accel, Angle, Battery, Command, Height, Motor, Rate, Reference, Rpm, Thrust, Time, Velocity};
+        use Quantity::{Accel, Angle, Battery, Command, Height, Motor, Rate, Reference, Rpm, Stick};
+        use Quantity::{Thrust, Time, Velocity};
         [
             Time,
             Angle(Roll),
@@ -86,6 +89,9 @@ impl Quantity {
             Velocity(Pitch),
             Velocity(Yaw),
             Height,
+            Stick(Roll),
+            Stick(Pitch),
+            Stick(Yaw),
         ]
     };
 
@@ -104,6 +110,7 @@ impl Quantity {
             Quantity::Accel(axis) => ["ax", "ay", "az"][axis.index()],
             Quantity::Velocity(axis) => ["vn", "ve", "vd"][axis.index()],
             Quantity::Height => "height",
+            Quantity::Stick(axis) => ["roll_stick", "pitch_stick", "yaw_stick"][axis.index()],
         }
     }
 
@@ -112,7 +119,7 @@ impl Quantity {
             Quantity::Time => TIME,
             Quantity::Angle(_) | Quantity::Reference(_) => ANGLE,
             Quantity::Rate(_) => RATE,
-            Quantity::Motor(_) | Quantity::Command(_) | Quantity::Thrust => COMMAND,
+            Quantity::Motor(_) | Quantity::Command(_) | Quantity::Thrust | Quantity::Stick(_) => COMMAND,
             Quantity::Battery => VOLTAGE,
             Quantity::Rpm(_) => SPEED,
             Quantity::Accel(_) => ACCELERATION,
@@ -136,6 +143,7 @@ impl Quantity {
             Quantity::Accel(_) => "accelerometer (specific force) along the body's x, y, z",
             Quantity::Velocity(_) => "velocity north, east, down, as a flight controller estimates it",
             Quantity::Height => "height of the rotors above ground",
+            Quantity::Stick(_) => "the pilot's sticks: to the right, nose up, clockwise from above",
         }
     }
 
@@ -164,7 +172,7 @@ impl Quantity {
             Quantity::Angle(_) | Quantity::Reference(_) => -10.0..=10.0,
             Quantity::Rate(_) => -100.0..=100.0,
             Quantity::Motor(_) | Quantity::Thrust => -0.05..=1.05,
-            Quantity::Command(_) => -1.05..=1.05,
+            Quantity::Command(_) | Quantity::Stick(_) => -1.05..=1.05,
             _ => f64::MIN..=f64::MAX,
         }
     }
@@ -176,6 +184,7 @@ impl Quantity {
             | Quantity::Rate(axis)
             | Quantity::Reference(axis)
             | Quantity::Command(axis)
+            | Quantity::Stick(axis)
             | Quantity::Accel(axis)
                 if axis != Axis::Roll =>
             {

@@ -42,6 +42,7 @@ impl Log {
             ("p and q", &mut self.rate_rad_s),
             ("acceleration along x and y", &mut self.accel_body_m_s2),
             ("roll_cmd and pitch_cmd", &mut self.axis_command),
+            ("roll_stick and pitch_stick", &mut self.stick),
         ] {
             match (first, second) {
                 (Some(along), Some(across)) => turn_vectors(along, across, by_rad),

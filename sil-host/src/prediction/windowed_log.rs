@@ -183,7 +183,8 @@ impl<'a> WindowedLog<'a> {
         let reports = driven.model.predict(&self.scene(driven), start, window.start, window.end);
         let mut residual = Vec::with_capacity((window.end - window.start) * self.measured.len());
         for measured in &self.measured {
-            let is_wrapped = self.is_vehicle && matches!(measured.channel, Channel::Angle(_));
+            // a bench's encoder and a flight's yaw alike: whole turns are no error
+            let is_wrapped = matches!(measured.channel, Channel::Angle(_));
             for row in window.start..window.end {
                 let mut error = measured.column[row] - reports.at(row - window.start, measured.channel);
                 if is_wrapped {

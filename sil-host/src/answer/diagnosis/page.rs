@@ -108,7 +108,8 @@ fn base_model(answer: &Diagnosis) -> Option<Section> {
     );
     let terms = answer.base.iter().map(base_text);
     let together = answer.lateness_s.map(|together| format!("lag and delay together: {together} s"));
-    let listed = || section.list(terms.chain(together).map(|line| on_a_page(&line)));
+    let by_reference = answer.by_reference.iter().map(|of| format!("input gain of {of} alone"));
+    let listed = || section.list(terms.chain(together).chain(by_reference).map(|line| on_a_page(&line)));
     (!answer.base.is_empty()).then(|| answer.warnings.iter().fold(listed(), Section::warning))
 }
 

@@ -51,6 +51,7 @@ pub fn verdict_text(answer: &Diagnosis, emphasised: Emphasis) -> String {
         text.push_str("  fitted along with the above (the base model):\n");
         text.extend(answer.base.iter().map(|term| format!("    {}\n", base_text(term))));
         text.extend(answer.lateness_s.map(|together| format!("    lag and delay together: {together} s\n")));
+        text.extend(answer.by_reference.iter().map(|of| format!("    input gain of {of} alone\n")));
         text.extend(answer.warnings.iter().map(|sentence| format!("    {sentence}\n")));
     }
     let of_controller =

@@ -60,12 +60,14 @@ pub(in crate::diagnosis) fn gain<'e>(search: &Search<'e>, found: &Found<'e>) -> 
 }
 
 /// What the windows of the report confirm of what was found beside a base model: that it takes a share of the error
-/// away. They have no say in what is looked for; they may only object.
+/// away, beyond chance. They have no say in what is looked for; they may only object.
 pub(in crate::diagnosis) fn confirmed<'e>(search: &Search<'e>, mut found: Found<'e>) -> Found<'e> {
     while search.has_base() {
-        let Gain { places, findings_pct, .. } = gain(search, &found);
-        let least = places.into_iter().zip(findings_pct).min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((place, _)) = least.filter(|(_, gain_pct)| *gain_pct < CONFIRMED_PCT) else { break };
+        let Gain { places, findings_pct, findings_interval_pct, .. } = gain(search, &found);
+        let by_chance = |interval: &Option<[f64; 2]>| interval.is_some_and(|[least, _]| least < 0.0);
+        let places = places.into_iter().zip(findings_pct).zip(findings_interval_pct);
+        let not_confirmed = places.filter(|((_, pct), interval)| *pct < CONFIRMED_PCT || by_chance(interval));
+        let Some(((place, _), _)) = not_confirmed.min_by(|a, b| a.0.1.total_cmp(&b.0.1)) else { break };
         let objected = found.refitted.chosen.terms[place].effect;
         let mut wanted = found.findings(search);
         wanted.retain(|term| !term.effect.is_the_same(objected));

@@ -2,6 +2,8 @@
 
 use super::horizons::Horizon;
 use crate::diagnosis::base::BaseTerm;
+use crate::diagnosis::estimate::Estimate;
+use crate::log::sanity::ByReference;
 use crate::prediction::WINDOW_S;
 
 /// Share by which a base model must miss a channel by more than the nominal one for that to be said.
@@ -11,8 +13,39 @@ const HARM_FROM: f64 = 0.1;
 const REVERSED_FROM: f64 = 3.0;
 
 /// Of a base model's numbers and of what they predict.
-pub(in crate::diagnosis) fn warnings(base: &[BaseTerm], horizons: &[Horizon]) -> Vec<String> {
-    base.iter().filter_map(reversed).chain(harm(base, horizons)).collect()
+pub(in crate::diagnosis) fn warnings(
+    base: &[BaseTerm],
+    by_reference: &[ByReference],
+    horizons: &[Horizon],
+) -> Vec<String> {
+    base.iter().filter_map(reversed).chain(held(base, by_reference)).chain(harm(base, horizons)).collect()
+}
+
+/// The gains that what follows from the reference surely denies: beside it stands what was fitted.
+pub(in crate::diagnosis) fn denied<'b>(
+    base: &'b [BaseTerm],
+    by_reference: &'b [ByReference],
+) -> impl Iterator<Item = (&'b ByReference, Estimate)> {
+    by_reference.iter().filter_map(|of| {
+        let mut terms = base.iter().filter(|term| term.effect == "input_gain" && term.axis == Some(of.axis));
+        let gain = *terms.next()?.parameters.values().next()?;
+        of.denies(gain.value, gain.std).then_some((of, gain))
+    })
+}
+
+/// Gains that are a controller's answer to disturbances.
+fn held(base: &[BaseTerm], by_reference: &[ByReference]) -> Option<String> {
+    let denied: Vec<String> =
+        denied(base, by_reference).map(|(of, gain)| format!("{of}, {gain} by all motion")).collect();
+    (!denied.is_empty()).then(|| {
+        format!(
+            "What follows from what the controller was told shows another input gain than all motion together, {}: \
+             most of the commands hold against something that no log shows (wind, the propellers' own wake), and a fit \
+             to all of them takes the gain for too small. The former is to be relied on, and nothing else that was \
+             fitted here is.",
+            denied.join("; ")
+        )
+    })
 }
 
 /// An axis that turns against its command.
@@ -50,7 +83,6 @@ fn harm(base: &[BaseTerm], horizons: &[Horizon]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::Estimate;
 
     #[test]
     fn an_axis_that_surely_turns_against_its_command_is_named() {
@@ -61,9 +93,10 @@ mod tests {
             ordinary: true,
             extension: None,
         };
-        let said = warnings(&[gain("roll", 90.0, 2.0), gain("pitch", -90.0, 40.0), gain("yaw", -111.0, 36.0)], &[]);
+        let said =
+            warnings(&[gain("roll", 90.0, 2.0), gain("pitch", -90.0, 40.0), gain("yaw", -111.0, 36.0)], &[], &[]);
         assert!(said.len() == 1 && said[0].contains("of yaw is negative (-111 +- 36)"), "{said:?}");
         let bias = BaseTerm { effect: "torque_bias", ..gain("roll", -90.0, 2.0) };
-        assert_eq!(warnings(&[bias], &[]), Vec::<String>::new());
+        assert_eq!(warnings(&[bias], &[], &[]), Vec::<String>::new());
     }
 }

@@ -56,6 +56,12 @@ pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<Be
     let base = base::fitted(&search, &ordinary, Some(&in_sensors)).fit;
     let search = search.from(&base, &[]);
     let fit = search.refitted(base.terms, &base.starts);
+    let gain = |axis: Axis| {
+        let index =
+            fit.terms.iter().position(|term| term.effect.name() == "input_gain" && term.effect.axis() == Some(axis))?;
+        estimates(&fit, index, MODEL_ERROR).into_values().next()
+    };
+    super::refuse_denied(&joined, gain)?;
     let seen = seen::axes(&search, &fit);
     let mut model = BenchModel { name: super::name_of(log), ..BenchModel::default() };
     let mut numbers = Vec::new();

@@ -113,7 +113,10 @@ pub(super) fn fine(
     let fit = search.refitted(found.fit.terms, &found.fit.starts);
     are_done(3);
     let seen = seen::axes(&search, &fit);
-    if seen == [false; 3] || base::acts_at_once(&fit.terms) {
+    if base::acts_at_once(&fit.terms) {
+        return Err(NotIdentified::AtOnce(super::ShownFlight::of(log)));
+    }
+    if seen == [false; 3] {
         return Err(NotIdentified::Quiet(super::ShownFlight::of(log)));
     }
     let numbers = numbers::of(&fit, &shooting, &nominal, rough.model.base_command, seen);

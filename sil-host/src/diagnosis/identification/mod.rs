@@ -26,12 +26,15 @@ mod start;
 
 use super::estimate::Estimate;
 use super::progress::Observer;
+use crate::axis::Axis;
+use crate::log::sanity::by_reference;
 use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;
 pub use bench::{BenchIdentification, identify_axes, identify_axes_observed};
 pub use mismatch::mismatch;
 pub use numbers::{Identified, effectiveness_rad_s2, manoeuvres_for};
+use shared_control::airframe::TORQUE_SIGNS;
 pub use shown_flight::ShownFlight;
 
 /// What gives the ratios that a log shows a scale.
@@ -65,6 +68,18 @@ pub enum NotIdentified {
          for 15 s, logged at 100 rows/s or more"
     )]
     Quiet(ShownFlight),
+    /// Motors without any lag, which a fit takes for something else.
+    #[error(
+        "what fits best has motors that act at once, as none do: the commands follow the motion rather than make it, or \
+         their times are not those of the rates. Here: {0}. Wanted: steps of roll and pitch to 20 degrees for 15 s"
+    )]
+    AtOnce(ShownFlight),
+    /// The gains are a controller's answer to disturbances.
+    #[error(
+        "most of the commands hold against something that no log shows (wind, the propellers' own wake), and a fit to \
+         all of them takes gains for too small: {0}. Wanted: the same steps in calm air"
+    )]
+    Held(String),
     /// The numbers fit no vehicle.
     #[error("what was fitted is no vehicle: {0}")]
     Impossible(String),
@@ -111,7 +126,30 @@ pub fn identify_observed(
     }
     let model = VehicleModel::parse(&model.to_toml(), "the identified model")
         .map_err(|error| NotIdentified::Impossible(error.to_string()))?;
+    refuse_denied(&joined, gains_rad_s2(&model))?;
     Ok(Identification { model, numbers, scale, source: source(logs, &joined) })
+}
+
+/// Angular accelerations about roll and pitch per unit of what turns a model about them, at the command that holds it.
+fn gains_rad_s2(model: &VehicleModel) -> impl Fn(Axis) -> Option<Estimate> {
+    let by_motor = effectiveness_rad_s2(model, model.base_command);
+    move |axis| {
+        let signs = TORQUE_SIGNS[axis.index()].map(f64::from);
+        // a motor has half of an axis' command
+        let value = 0.5 * by_motor.iter().zip(signs).map(|(of, sign)| sign * of[axis.index()]).sum::<f64>();
+        (axis != Axis::Yaw).then_some(Estimate { value, std: 0.0 })
+    }
+}
+
+/// Refuses gains that what follows from the log's references surely denies.
+fn refuse_denied(log: &Log, gain_rad_s2: impl Fn(Axis) -> Option<Estimate>) -> Result<(), NotIdentified> {
+    let known = Axis::ALL.into_iter().zip(by_reference(log));
+    let denied = known.filter_map(|(axis, known)| {
+        let (known, gain) = (known?, gain_rad_s2(axis)?);
+        known.denies(gain.value, gain.std).then(|| format!("{known}, {gain} by all motion"))
+    });
+    let denied: Vec<String> = denied.collect();
+    if denied.is_empty() { Ok(()) } else { Err(NotIdentified::Held(denied.join("; "))) }
 }
 
 /// What a model is called whose log is this.

@@ -71,6 +71,7 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     }
     stream = attitude(messages, stream);
     stream = motors(messages, stream, &mut recording.facts)?;
+    stream = sticks(messages, stream);
     if has_volts(messages) {
         stream = stream.with(messages, "vbatLatest", Quantity::Battery, 0.01);
     }
@@ -118,6 +119,19 @@ fn attitude(messages: &Messages, mut stream: Stream) -> Stream {
         if let Some(column) = messages.column(FRAMES, &field) {
             let value = column.iter().map(|tenths| wrapped(sign * 0.1 * DEGREE_RAD * tenths)).collect();
             stream.add(Quantity::Angle(axis), &field, value);
+        }
+    }
+    stream
+}
+
+/// The pilot's sticks, -500 to 500; their signs are those of the rates that follow them.
+fn sticks(messages: &Messages, mut stream: Stream) -> Stream {
+    for axis in Axis::ALL {
+        let field = format!("rcCommand[{}]", axis.index());
+        let sign = if axis == Axis::Roll { 1.0 } else { -1.0 };
+        if let Some(column) = messages.column(FRAMES, &field) {
+            let value = column.iter().map(|stick| (sign * 0.002 * stick).clamp(-1.0, 1.0)).collect();
+            stream.add(Quantity::Stick(axis), &field, value);
         }
     }
     stream

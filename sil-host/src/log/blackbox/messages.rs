@@ -20,8 +20,19 @@ pub(super) const FRAMES: &str = "main";
 /// Time since the controller's start, us.
 pub(super) const TIME: &str = "time";
 /// The fields that are read, without their numbers.
-const FIELDS: [&str; 10] =
-    ["gyroADC", "accSmooth", "attitude", "motor", "eRPM", "vbatLatest", "axisP", "axisI", "axisD", "axisF"];
+const FIELDS: [&str; 11] = [
+    "gyroADC",
+    "accSmooth",
+    "attitude",
+    "motor",
+    "eRPM",
+    "vbatLatest",
+    "rcCommand",
+    "axisP",
+    "axisI",
+    "axisD",
+    "axisF",
+];
 /// No firmware logs as many fields.
 const FIELDS_MAX: usize = 256;
 /// Versions that the crate accepts, by the firmware.

@@ -10,7 +10,8 @@ use crate::axis::Axis;
 use crate::statistics::wrapped;
 
 /// The messages that are read.
-pub(super) const MESSAGES: [&str; 10] = ["IMU", "ATT", "AHR2", "RCOU", "BAT", "CURR", "XKF1", "NKF1", "EKF1", "ESC"];
+pub(super) const MESSAGES: [&str; 11] =
+    ["IMU", "ATT", "AHR2", "RCIN", "RCOU", "BAT", "CURR", "XKF1", "NKF1", "EKF1", "ESC"];
 /// The estimators' messages, the newest kind first.
 const ESTIMATORS: [&str; 3] = ["XKF1", "NKF1", "EKF1"];
 
@@ -71,6 +72,7 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     let order = motor_order(messages, &mut recording.facts, &mut recording.frame_turn_deg)?;
     recording.streams.extend(imu(messages));
     recording.streams.extend(attitude(messages, &mut recording.facts));
+    recording.streams.extend(sticks(messages));
     recording.streams.extend(outputs(messages, &order, &mut recording.facts));
     recording.streams.extend(position(messages, &mut recording.facts));
     recording.streams.extend(battery(messages, &mut recording.facts));
@@ -126,6 +128,23 @@ fn attitude(messages: &Messages, facts: &mut Vec<Fact>) -> Option<Stream> {
         column.value.iter_mut().for_each(|angle_rad| *angle_rad = wrapped(*angle_rad));
     }
     Some(stream)
+}
+
+/// The pilot's sticks: pulses of the receiver's channels, by their usual middle and range, us.
+fn sticks(messages: &Messages) -> Option<Stream> {
+    let mut stream = stream(messages, "RCIN")?;
+    for (axis, usual) in Axis::ALL.into_iter().zip([1.0, 2.0, 4.0]) {
+        let channel = messages.parameter(&format!("RCMAP_{}", axis.name().to_uppercase())).unwrap_or(usual);
+        let is_reversed = messages.parameter(&format!("RC{channel}_REVERSED")) == Some(1.0)
+            || messages.parameter(&format!("RC{channel}_REV")) == Some(-1.0);
+        let sign = if is_reversed { -1.0 } else { 1.0 };
+        let field = format!("C{channel}");
+        if let Some(column) = messages.column(&stream.name, &field) {
+            let value = column.iter().map(|pulse_us| (sign * (pulse_us - 1500.0) / 500.0).clamp(-1.0, 1.0)).collect();
+            stream.add(Quantity::Stick(axis), &field, value);
+        }
+    }
+    (!stream.columns.is_empty()).then_some(stream)
 }
 
 /// Motors 1 to 4 of a frame, by its type.

@@ -36,7 +36,7 @@ pub(super) struct Driving {
 }
 
 /// What drives each axis, by motors or by axis commands.
-fn inputs(log: &Log) -> [Option<Vec<f64>>; 4] {
+pub(super) fn inputs(log: &Log) -> [Option<Vec<f64>>; 4] {
     let Some(motors) = log.motors() else {
         let command = |quantity| log.column(quantity).map(<[f64]>::to_vec);
         let [roll, pitch, yaw] = Axis::ALL.map(Quantity::Command);
@@ -105,7 +105,9 @@ impl Driving {
             Axis::ALL.into_iter().filter(|axis| matches!(self.by_axis[axis.index()], Answer::Instead { .. })).collect();
         // first of all: half way between two axes chance says which of them an axis seems to answer to
         let turned = || self.turned_by_45_degrees().or_else(|| self.turned_and_in_another_order());
-        let turned = if self.is_by_motors { turned() } else { None };
+        // whoever has turned it is not told to turn it
+        let is_turned = columns.map.is_some_and(|map| map.frame_turn_deg != 0.0);
+        let turned = if self.is_by_motors && !is_turned { turned() } else { None };
         if wrong.is_empty() || turned.is_some() {
             return turned;
         }

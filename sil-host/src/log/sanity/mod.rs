@@ -20,6 +20,7 @@
 
 mod answers;
 mod bins;
+mod by_reference;
 mod driving;
 mod figures;
 mod finding;
@@ -33,6 +34,7 @@ mod weighing;
 
 use self::answers::Answer;
 use self::bins::Bins;
+pub use self::by_reference::{ByReference, by_reference};
 use self::driving::Driving;
 pub(crate) use self::figures::{Figure, Figures, figures, figures_of_record};
 use self::finding::Columns;

@@ -73,11 +73,21 @@ impl Products {
 
     /// The sums of all stretches but one.
     pub(super) fn without(&self, left_out: Option<usize>) -> Sums {
+        self.without_each(&[left_out])
+    }
+
+    /// The sums of all stretches but some.
+    pub(super) fn without_each(&self, left_out: &[Option<usize>]) -> Sums {
         let mut products = self.total.clone();
-        if let Some(stretch) = left_out.and_then(|left_out| self.stretches.get(left_out)) {
+        for stretch in left_out.iter().flatten().filter_map(|left_out| self.stretches.get(*left_out)) {
             products.iter_mut().zip(stretch).for_each(|(total, product)| *total -= product);
         }
         Sums { size: self.size, products }
+    }
+
+    /// The sums of one stretch.
+    pub(super) fn within(&self, stretch: usize) -> Sums {
+        Sums { size: self.size, products: self.stretches[stretch].clone() }
     }
 }
 

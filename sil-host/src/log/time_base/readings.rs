@@ -28,7 +28,7 @@ impl Between {
     fn of(quantity: Quantity) -> Between {
         match quantity {
             Quantity::Motor(_) | Quantity::Command(_) | Quantity::Thrust => Between::Held,
-            Quantity::Reference(_) => Between::HeldForEver,
+            Quantity::Reference(_) | Quantity::Stick(_) => Between::HeldForEver,
             Quantity::Angle(_) => Between::Angle,
             Quantity::Battery => Between::SlowLine,
             _ => Between::Line,

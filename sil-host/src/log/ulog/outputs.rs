@@ -39,9 +39,9 @@ fn range(columns: &[&[f64]; 4]) -> f64 {
 /// Widths of a motor's pulses for no and full thrust, us.
 fn pulses_us(messages: &Messages, motor: usize, given: usize, facts: &mut Vec<Fact>) -> [f64; 2] {
     [("MIN", 1000.0), ("MAX", 2000.0)].map(|(end, default)| {
-        let (own, all) = (format!("PWM_MAIN_{end}{}", given + 1), format!("PWM_{end}"));
-        // -1 stands for the value of all outputs
-        let said = [own, all].into_iter().find_map(|name| {
+        // -1 stands for the value of all outputs, which firmware up to 1.12 keeps under two names
+        let names = [format!("PWM_MAIN_{end}{}", given + 1), format!("PWM_MAIN_{end}"), format!("PWM_{end}")];
+        let said = names.into_iter().find_map(|name| {
             messages.parameter(&name).filter(|pulse_us| *pulse_us >= 0.0).map(|pulse_us| (name, pulse_us))
         });
         let fact = format!("motor{}_{}_us", motor + 1, end.to_lowercase());

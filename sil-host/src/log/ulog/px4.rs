@@ -14,7 +14,8 @@ use super::{allocation, outputs};
 use crate::axis::Axis;
 
 /// The topics that are read.
-pub(super) const TOPICS: [&str; 13] = [
+pub(super) const TOPICS: [&str; 14] = [
+    "manual_control_setpoint",
     "vehicle_angular_velocity",
     "sensor_combined",
     "vehicle_attitude",
@@ -90,6 +91,7 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     recording.streams.extend(rates(messages));
     recording.streams.extend(attitude(messages));
     recording.streams.extend(reference(messages));
+    recording.streams.extend(sticks(messages));
     let mut motors = motors(messages, &order);
     if let Some((mixed, told)) = motors.as_ref().and_then(|motors| allocation::motors(messages, motors)) {
         motors = Some(mixed);
@@ -221,6 +223,18 @@ fn reference(messages: &Messages) -> Option<Stream> {
         for (axis, value) in Axis::ALL.into_iter().zip(euler(messages.table(topic)?, "q_d")?) {
             stream.add(Quantity::Reference(axis), "q_d", value);
         }
+    }
+    Some(stream)
+}
+
+/// The pilot's sticks, forward being nose down: `x`, `y`, `r` until version 1.13.
+fn sticks(messages: &Messages) -> Option<Stream> {
+    let mut stream = stream(messages, "manual_control_setpoint")?;
+    for (axis, names, sign) in
+        [(Axis::Roll, ["roll", "y"], 1.0), (Axis::Pitch, ["pitch", "x"], -1.0), (Axis::Yaw, ["yaw", "r"], 1.0)]
+    {
+        let name = names.into_iter().find(|name| messages.column(&stream.name, name).is_some())?;
+        stream = stream.with(messages, name, Quantity::Stick(axis), sign);
     }
     Some(stream)
 }

@@ -169,6 +169,13 @@ fn a_stopped_motor_and_pulse_widths_become_commands_from_0_to_1() {
     });
     let log = file.read().unwrap();
     assert_eq!(log.motors().unwrap().map(|motor| motor[7]), [0.5, 0.5, 0.0, 1.0]);
+    // the names up to 1.12, as in a log whose outputs are all -1 for these two
+    let old = File::new().parameter("PWM_MAIN_MIN", 1000.0).parameter("PWM_MAIN_MAX", 1800.0);
+    let old = old.topics(&[("sensor_combined", "float[3] gyro_rad;"), ("actuator_outputs", "float[4] output;")]);
+    let old = (0..300).fold(old, |file, row| {
+        file.data(0, 4000 * row, &[0.0, 0.1, 0.2]).data(1, 4000 * row, &[1400.0, 1600.0, 900.0, 2100.0])
+    });
+    assert_eq!(old.read().unwrap().motors().unwrap().map(|motor| motor[7]), [0.5, 0.75, 0.0, 1.0]);
     let mut stopped = flight(|file| file).0;
     let nan = f32::NAN.to_le_bytes();
     // motor 2 in the last command but one, which is in force at the last row

@@ -69,7 +69,8 @@ struct Options {
 impl Options {
     fn read(arguments: &[String]) -> Result<Options, String> {
         let effort = Effort { stability: true, halves: true, cuts: true, patience_s: f64::INFINITY };
-        let mut options = Options { folder: None, only: Vec::new(), effort, threads: 1, json: None, is_list: false, against: None };
+        let mut options =
+            Options { folder: None, only: Vec::new(), effort, threads: 1, json: None, is_list: false, against: None };
         let mut arguments = arguments.iter();
         while let Some(option) = arguments.next() {
             let mut value = || arguments.next().cloned().ok_or(format!("{option} needs a value"));

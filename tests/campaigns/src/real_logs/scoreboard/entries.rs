@@ -151,7 +151,10 @@ pub fn entries() -> Vec<Entry> {
     for (start, spans_s) in [("log15", &[crazyflie::ROLL_PITCH_S][..]), ("log16", &crazyflie::YAW_S[..])] {
         for path in files("flight_crazyflie_arplab", start) {
             let entry = Entry::new("crazyflie", path, "crazyflie_arplab", spans_s);
-            entries.push(Entry { against: HeldAgainst { vehicle: Some(crazyflie::vehicle()), ..HeldAgainst::default() }, ..entry });
+            entries.push(Entry {
+                against: HeldAgainst { vehicle: Some(crazyflie::vehicle()), ..HeldAgainst::default() },
+                ..entry
+            });
         }
     }
     entries.sort_by_key(|entry| entry.vehicle.clone());
