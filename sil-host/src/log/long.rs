@@ -1,7 +1,6 @@
 //! A long log in stretches that are spread over it, so that what examines it takes bounded time and memory however long
 //! it is. A model has a few dozen numbers: two minutes that move show them as well as an hour does.
 
-use super::part::{FAST_HZ, THINNED_MIN_HZ};
 use super::{Log, Quantity};
 use crate::axis::Axis;
 
@@ -21,8 +20,8 @@ impl Log {
     pub fn examined(self) -> Log {
         let step_s = self.mean_regular_step_s();
         let lasts_s = step_s * self.rows() as f64;
-        // a log of more rows than these is thinned before it is predicted
-        let predicted_hz = if step_s * FAST_HZ < 1.0 { THINNED_MIN_HZ } else { 1.0 / step_s };
+        // a log of many rows is thinned before it is predicted
+        let predicted_hz = 1.0 / (step_s * self.rows_in_one() as f64);
         let examined_s = EXAMINED_MAX_S.min(EXAMINED_ROWS_MAX / predicted_hz);
         if lasts_s.is_nan() || lasts_s <= EXAMINED_MAX_S.max(WORTH_CUTTING * examined_s) {
             return self;
@@ -119,6 +118,8 @@ mod tests {
         assert_eq!([at(7000, 40.0).rows(), at(7400, 40.0).rows()], [7000, 4800]);
         // thinned to 200 rows a second before they are predicted
         assert_eq!(at(200_000, 1000.0).rows(), 120_000);
+        // three rows become one, so that 320 a second are predicted
+        assert_eq!(at(150_000, 960.0).rows(), 90_000);
         // too few for a log in one of 24 sections each
         assert_eq!(at(200, 0.1).rows(), 200);
     }

@@ -4,9 +4,9 @@ use super::{Log, LogError, LogErrorKind, Quantity, ROWS_MIN};
 use crate::statistics::wrapped;
 
 /// A log of more rows per second is thinned.
-pub(super) const FAST_HZ: f64 = 600.0;
+const FAST_HZ: f64 = 600.0;
 /// Fewest rows per second to which it is: 5 ms from row to row, a step of the diagnosis' model of the body.
-pub(super) const THINNED_MIN_HZ: f64 = 200.0;
+const THINNED_MIN_HZ: f64 = 200.0;
 /// A log of 1 kHz but for a few rows gives five rows in one.
 const ROUNDING: f64 = 0.1;
 
@@ -54,11 +54,7 @@ impl Log {
     /// A row becomes the mean of an odd number of rows, time and measurements alike, which is exact for a motion that
     /// changes evenly and takes noise away; whatever is held from row to row is that of the middle one.
     pub fn thinned(&self) -> Option<Log> {
-        let step_s = self.mean_regular_step_s();
-        if step_s <= 0.0 || step_s * FAST_HZ > 1.0 {
-            return None;
-        }
-        let side = (0.5 * (1.0 / (step_s * THINNED_MIN_HZ) + ROUNDING - 1.0)).floor() as usize;
+        let side = self.thinned_side()?;
         let middles: Vec<usize> = (side..self.rows().saturating_sub(side)).step_by(2 * side + 1).collect();
         let longest_regular_s = self.longest_regular_step_s();
         let is_whole = |row: usize| {
@@ -82,6 +78,18 @@ impl Log {
         });
         thinned.commanded_by = Some(Box::new(self.clone()));
         Some(thinned)
+    }
+
+    /// Of how many rows a row of the thinned log is the mean; 1 of one that is not thinned.
+    pub(super) fn rows_in_one(&self) -> usize {
+        self.thinned_side().map_or(1, |side| 2 * side + 1)
+    }
+
+    /// How many rows to each side.
+    fn thinned_side(&self) -> Option<usize> {
+        let step_s = self.mean_regular_step_s();
+        let is_fast = step_s > 0.0 && step_s * FAST_HZ <= 1.0;
+        is_fast.then(|| (0.5 * (1.0 / (step_s * THINNED_MIN_HZ) + ROUNDING - 1.0)).floor() as usize)
     }
 
     /// The log that has this one's commands: itself, if it was not thinned.

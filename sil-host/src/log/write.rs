@@ -101,7 +101,7 @@ mod tests {
                         _ => values.iter().map(|v| v * v * v * 9.99).collect(),
                     };
                     let column = match quantity {
-                        Quantity::Command(_) => values.to_vec(),
+                        Quantity::Command(_) | Quantity::Stick(_) => values.to_vec(),
                         _ => column,
                     };
                     let is_yaw = quantity.name().starts_with(['y', 'r']) && !is_required(quantity);

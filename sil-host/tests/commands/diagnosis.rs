@@ -34,6 +34,7 @@ fn answer() -> Value {
         "warnings": "anything",
         "base": "anything",
         "lateness_s": "anything",
+        "by_reference": "anything",
         "findings": [{
             "effect": "string", "axis": "anything", "where": "string",
             "parameters": { "scale": { "value": "number", "std": "number" } },

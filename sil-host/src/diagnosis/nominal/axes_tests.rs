@@ -90,6 +90,21 @@ fn without_noise_the_prediction_is_the_motion() {
     }
 }
 
+/// A flight's yaw goes round, and so does the attitude of whatever flips.
+#[test]
+fn an_angle_that_is_logged_within_half_a_turn_to_each_side_is_the_same_motion() {
+    let whole = BENCH.log();
+    let mut wrapped = whole.clone();
+    // the sum of sines goes over some radians, so that its ends lie a turn apart
+    for angle_rad in wrapped.angle_rad[1].iter_mut().flatten() {
+        *angle_rad = libm::atan2(libm::sin(*angle_rad + 3.0), libm::cos(*angle_rad + 3.0));
+    }
+    let turns = wrapped.angle_rad[1].as_ref().unwrap().windows(2).filter(|pair| (pair[1] - pair[0]).abs() > 3.0);
+    assert!(turns.count() > 2);
+    let [whole, wrapped] = [whole, wrapped].map(|log| ratios(&predicted(&log)));
+    assert!(whole.iter().zip(wrapped).all(|(whole, wrapped)| (whole - wrapped).abs() < 0.05), "{whole:?} {wrapped:?}");
+}
+
 #[test]
 fn the_floor_holds_with_the_rate_alone_and_with_the_angle_alone() {
     let mut gyro_only = BENCH.log();

@@ -280,7 +280,7 @@ fn any_log() -> impl Strategy<Value = Log> {
                     }
                     Quantity::Command(_) | Quantity::Thrust | Quantity::Rpm(_) => continue,
                     Quantity::Reference(Axis::Yaw) | Quantity::Battery if !optional => continue,
-                    Quantity::Motor(_) => values,
+                    Quantity::Motor(_) | Quantity::Stick(_) => values,
                     Quantity::Angle(Axis::Pitch) => values.iter().map(|value| 2.8 * (value - 0.5)).collect(),
                     _ => values.iter().map(|value| 6.0 * (value - 0.5)).collect(),
                 };

@@ -1,8 +1,8 @@
 //! From a [`Log`] to a ULog file with PX4's topics at the log's own rate, so that PX4's tools open it.
 //!
 //! Messages, topics and head are those of the vehicle's own log ([`shared_control::onboard_log`]), filled from the
-//! log's columns in place of a step's input and output: what a CSV of the same flight says, this says. The topic of
-//! velocity and height is this file's own, as the flight core knows neither. Numbers are 32 bit floats, as PX4's are,
+//! log's columns in place of a step's input and output: what a CSV of the same flight says, this says. The topics of
+//! velocity and height and of the pilot's sticks are this file's own, as the flight core knows none of them. Numbers are 32 bit floats, as PX4's are,
 //! times whole microseconds.
 
 use std::io::{self, Write};
@@ -25,6 +25,10 @@ const LOCAL_POSITION: Topic = Topic {
              bool v_z_valid;",
 };
 
+/// The pilot's sticks, pitch forward.
+const STICKS: Topic =
+    Topic { name: "manual_control_setpoint", fields: "uint64_t timestamp_sample;float roll;float pitch;float yaw;" };
+
 /// A topic, whether the log has what it needs, and the content of a row.
 struct Column {
     topic: Topic,
@@ -33,7 +37,7 @@ struct Column {
 }
 
 /// In the order of their numbers.
-const COLUMNS: [Column; 7] = [
+const COLUMNS: [Column; 8] = [
     Column {
         topic: topics::SENSOR_COMBINED,
         is_there: |log| log.accel_body_m_s2.iter().all(Option::is_some),
@@ -85,6 +89,14 @@ const COLUMNS: [Column; 7] = [
             let down_m = -value(log, row, Quantity::Height) as f32;
             let velocity_m_s = triple(log, row, Quantity::Velocity);
             Content::default().time(time_us(log, row)).numbers(&[down_m]).numbers(&velocity_m_s).bytes(&[1, 1, 1])
+        },
+    },
+    Column {
+        topic: STICKS,
+        is_there: |log| log.stick.iter().any(Option::is_some),
+        content: |log, row| {
+            let [roll, pitch, yaw] = triple(log, row, Quantity::Stick);
+            Content::default().time(time_us(log, row)).numbers(&[roll, -pitch, yaw])
         },
     },
 ];
