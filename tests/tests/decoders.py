@@ -75,7 +75,7 @@ def px4(path):
             least = parameter.get(f"PWM_MAIN_MIN{motor + 1}", -1)
             most = parameter.get(f"PWM_MAIN_MAX{motor + 1}", -1)
             least = least if least >= 0 else parameter.get("PWM_MAIN_MIN", parameter.get("PWM_MIN", 1000))
-            most = most if most >= 0 else parameter.get("PWM_MAX", 2000)
+            most = most if most >= 0 else parameter.get("PWM_MAIN_MAX", parameter.get("PWM_MAX", 2000))
             values = [(float(us) - least) / (most - least) for us in data[f"output[{motor}]"]]
             values = [max(0.0, min(1.0, value)) for value in values]
             show(f"motor{motor + 1}", "actuator_outputs", seconds(data, False), values)

@@ -114,10 +114,10 @@ pub(super) fn fine(
     are_done(3);
     let seen = seen::axes(&search, &fit);
     if base::acts_at_once(&fit.terms) {
-        return Err(NotIdentified::AtOnce(super::ShownFlight::of(log)));
+        return Err(NotIdentified::AtOnce(Box::new(super::ShownFlight::of(log))));
     }
     if seen == [false; 3] {
-        return Err(NotIdentified::Quiet(super::ShownFlight::of(log)));
+        return Err(NotIdentified::Quiet(Box::new(super::ShownFlight::of(log))));
     }
     let numbers = numbers::of(&fit, &shooting, &nominal, rough.model.base_command, seen);
     let others: Vec<Term<'_>> =

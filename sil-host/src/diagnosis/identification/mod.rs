@@ -67,13 +67,13 @@ pub enum NotIdentified {
          identify a vehicle, or something else moves it more. Here: {0}. Wanted: steps of roll and pitch to 20 degrees \
          for 15 s, logged at 100 rows/s or more"
     )]
-    Quiet(ShownFlight),
+    Quiet(Box<ShownFlight>),
     /// Motors without any lag, which a fit takes for something else.
     #[error(
-        "what fits best has motors that act at once, as none do: the commands follow the motion rather than make it, or \
-         their times are not those of the rates. Here: {0}. Wanted: steps of roll and pitch to 20 degrees for 15 s"
+        "what fits best has motors that act at once, as none do: the commands follow the motion rather than make it, \
+         or their times are not those of the rates. Here: {0}. Wanted: steps of roll and pitch to 20 degrees for 15 s"
     )]
-    AtOnce(ShownFlight),
+    AtOnce(Box<ShownFlight>),
     /// The gains are a controller's answer to disturbances.
     #[error(
         "most of the commands hold against something that no log shows (wind, the propellers' own wake), and a fit to \
@@ -122,7 +122,7 @@ pub fn identify_observed(
     let rough = fitting::rough(log, &start, observer)?;
     let (model, numbers) = fitting::fine(log, &rough, observer)?;
     if numbers.iter().filter(|number| number.is_of_tilt()).all(|number| number.to_fly.is_some()) {
-        return Err(NotIdentified::Quiet(ShownFlight::of(log)));
+        return Err(NotIdentified::Quiet(Box::new(ShownFlight::of(log))));
     }
     let model = VehicleModel::parse(&model.to_toml(), "the identified model")
         .map_err(|error| NotIdentified::Impossible(error.to_string()))?;

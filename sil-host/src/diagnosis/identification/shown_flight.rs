@@ -113,7 +113,7 @@ mod tests {
             "3.0 s at 50 rows/s"
         );
         // motors 10 times a second, the collective between them
-        let motor = |row: usize| if row / 2 % 2 == 0 { 0.4 } else { 0.6 };
+        let motor = |row: usize| if (row / 2).is_multiple_of(2) { 0.4 } else { 0.6 };
         let sent = Log {
             time_s: (0..81).map(|row| f64::from(row) * 0.05).collect(),
             motor_command: [0; 4].map(|_| Some((0..81).map(motor).collect())),

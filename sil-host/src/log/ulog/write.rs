@@ -2,8 +2,8 @@
 //!
 //! Messages, topics and head are those of the vehicle's own log ([`shared_control::onboard_log`]), filled from the
 //! log's columns in place of a step's input and output: what a CSV of the same flight says, this says. The topics of
-//! velocity and height and of the pilot's sticks are this file's own, as the flight core knows none of them. Numbers are 32 bit floats, as PX4's are,
-//! times whole microseconds.
+//! velocity and height and of the pilot's sticks are this file's own, as the flight core knows none of them. Numbers
+//! are 32 bit floats, as PX4's are, times whole microseconds.
 
 use std::io::{self, Write};
 

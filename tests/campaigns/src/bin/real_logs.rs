@@ -9,10 +9,11 @@
 //!   those of `sil diagnose --baseline` (`campaigns::real_logs::injection_baseline`).
 //!
 //! Options: `--folder DIR` the logs of this folder, each as `sil diagnose LOG` takes it, with `LOG.map.toml` beside it
-//! for its map, instead of those of `$SIL_DATA`; `--only TEXT` (repeatable) logs whose `VEHICLE/LOG` contains it; `--quick` without halves and cuts;
-//! `--no-cuts` without cuts; `--no-stability` each answer as `sil diagnose --quick` gives it; `--patience S` no further
-//! cut of a log after so many seconds; `--threads N` so many logs side by side (1); `--json FILE` all figures; `--list`
-//! the logs' names alone. An injection knows `--only`, `--threads`, `--json`, `--list` and `--against`.
+//! for its map, instead of those of `$SIL_DATA`; `--only TEXT` (repeatable) logs whose `VEHICLE/LOG` contains it;
+//! `--quick` without halves and cuts; `--no-cuts` without cuts; `--no-stability` each answer as `sil diagnose --quick`
+//! gives it; `--patience S` no further cut of a log after so many seconds; `--threads N` so many logs side by side (1);
+//! `--json FILE` all figures; `--list` the logs' names alone. An injection knows `--folder`, `--only`, `--threads`,
+//! `--json`, `--list` and `--against`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

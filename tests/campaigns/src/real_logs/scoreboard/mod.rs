@@ -50,8 +50,8 @@ impl Scoreboard {
     }
 }
 
-/// Does something with each of some logs or files, so many side by side, each in one thread; the results in the order of the
-/// logs. `done` is called with each, and its number, as it is there.
+/// Does something with each of some logs or files, so many side by side, each in one thread; the results in the order
+/// of the logs. `done` is called with each, and its number, as it is there.
 ///
 /// # Panics
 /// The system has no threads to give.
