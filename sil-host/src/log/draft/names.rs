@@ -75,6 +75,7 @@ fn unit_of(words: &[String], quantity: Quantity) -> Option<&'static str> {
         Quantity::Accel(_) if ends(&["g"]) => Some("_g"),
         Quantity::Accel(_) if has("s2") || ends(&["s", "2"]) => Some("_m_s2"),
         Quantity::Battery if has("mv") => Some("_mv"),
+        Quantity::Height if has("cm") => Some("_cm"),
         _ => None,
     }
 }
@@ -94,7 +95,10 @@ pub(super) fn named(name: &str) -> Option<Named> {
     let of_controller = first_is(&["controller"]);
     let quantity = if first_is(&["t", "time", "timestamp", "clock", "seconds"]) && !has(&COMMAND) {
         Quantity::Time
-    } else if let Some(motor) = motor(&words) {
+    } else if first_is(&["rc"]) {
+        // what the receiver says is the pilot's, not the controller's
+        return None;
+    } else if let Some(motor) = motor(&words, usize::from(!name.contains('['))) {
         motor
     } else if has(&["vbat", "vbatlatest", "battery", "voltage", "batt"]) {
         Quantity::Battery
@@ -152,11 +156,11 @@ pub(super) fn is_place(name: &str) -> bool {
     place(&words(name)).is_some()
 }
 
-/// A motor's command or a rotor's speed: `m1`, `motor_1`, `rpm1`; numbers from 1.
-fn motor(words: &[String]) -> Option<Quantity> {
+/// A motor's command or a rotor's speed: `m1`, `motor_1`, `rpm1`; numbers from 1, in brackets from 0.
+fn motor(words: &[String], first: usize) -> Option<Quantity> {
     let is = |word: &str, list: &[&str]| list.contains(&word);
     let pair = words.windows(2).find(|pair| is(&pair[0], &["m", "motor", "motors", "rpm", "erpm"]))?;
-    let index = pair[1].parse::<usize>().ok()?.checked_sub(1).filter(|index| *index < 4)?;
+    let index = pair[1].parse::<usize>().ok()?.checked_sub(first).filter(|index| *index < 4)?;
     let is_speed = words.iter().any(|word| is(word, &["rpm", "erpm"]));
     Some(if is_speed { Quantity::Rpm(index) } else { Quantity::Motor(index) })
 }
@@ -164,7 +168,7 @@ fn motor(words: &[String]) -> Option<Quantity> {
 /// A command of an axis whose name does not say which: `M_cmd`.
 pub(super) fn is_command_of_some_axis(name: &str) -> bool {
     let words = words(name);
-    let is_command = words.iter().any(|word| COMMAND.contains(&word.as_str()));
+    let is_command = words.iter().any(|word| COMMAND.contains(&word.as_str())) && words[0] != "rc";
     is_command && axis_of(&words).is_none() && named(name).is_none()
 }
 
@@ -191,6 +195,8 @@ mod tests {
             ("m3_cmd_0_1", Quantity::Motor(2), None),
             ("motor_4", Quantity::Motor(3), None),
             ("rpm2", Quantity::Rpm(1), None),
+            ("motor[3]", Quantity::Motor(3), None),
+            ("BaroAlt (cm)", Quantity::Height, Some("_cm")),
             ("controller_cmd_thrust", Quantity::Thrust, None),
             ("T_cmd_norm", Quantity::Thrust, None),
             ("controller_cmd_yaw", Quantity::Command(Yaw), None),
@@ -203,9 +209,10 @@ mod tests {
             let said = named(name).unwrap_or_else(|| panic!("{name}"));
             assert_eq!((said.quantity, said.unit), (quantity, unit), "{name}");
         }
-        for name in ["x_m", "v_m_s", "q_sp_rad_s", "controller_rollRate", "motors_on", "note"] {
+        for name in ["x_m", "v_m_s", "q_sp_rad_s", "controller_rollRate", "motors_on", "note", "rcCommand[1]"] {
             assert_eq!(named(name).map(|said| said.quantity), None, "{name}");
         }
         assert!(is_command_of_some_axis("M_cmd_norm") && !is_command_of_some_axis("roll_cmd"));
+        assert!(!is_command_of_some_axis("rcCommand[3]"));
     }
 }

@@ -62,7 +62,7 @@ impl ByReference {
     /// held against.
     pub fn denies(&self, gain_rad_s2: f64, std_rad_s2: f64) -> bool {
         let (own, other) = (self.gain_rad_s2.abs(), self.gain_rad_s2.signum() * gain_rad_s2);
-        own > APART * other && own - other > APART_STDS * self.std_rad_s2.hypot(std_rad_s2)
+        own > APART * other && own - other > APART_STDS * libm::hypot(self.std_rad_s2, std_rad_s2)
     }
 }
 
@@ -85,12 +85,14 @@ pub fn by_reference(log: &Log) -> [Option<ByReference>; 3] {
     // four motors, each with half of its command
     let unit = if log.motors().is_some() { 2.0 } else { 1.0 };
     Axis::ALL.map(|axis| {
-        let command = bins.means(commands[axis.index()].as_ref()?).iter().map(|value| value / unit).collect();
-        let stick = log.column(Quantity::Stick(axis)).filter(|stick| moves(stick));
-        let reference = log.column(Quantity::Reference(axis)).filter(|reference| moves(reference));
-        let instrument = bins.means(stick.or(reference)?);
-        let rows = Rows::of(log, &bins, axis, command, &instrument)?;
-        rows.answer(axis, stick.is_some(), &stretches)
+        let command: Vec<f64> = bins.means(commands[axis.index()].as_ref()?).iter().map(|value| value / unit).collect();
+        // a stick that was moved on the ground only leaves the flight to the reference
+        [Quantity::Stick(axis), Quantity::Reference(axis)].into_iter().find_map(|instrument| {
+            let by_stick = matches!(instrument, Quantity::Stick(_));
+            let values = log.column(instrument).filter(|values| moves(values))?;
+            let values = if by_stick { bins.means(values) } else { bins.means_of_angle(values) };
+            Rows::of(log, &bins, axis, command.clone(), &values)?.answer(axis, by_stick, &stretches)
+        })
     })
 }
 
@@ -150,7 +152,7 @@ impl Rows<'_> {
             axis: axis.name(),
             by_stick,
             gain_rad_s2: gain.value,
-            std_rad_s2: gain.std.hypot(OWN_ERROR * gain.value),
+            std_rad_s2: libm::hypot(gain.std, OWN_ERROR * gain.value),
             late_s: lag_s + by as f64 * self.bins.step_s(),
         })
     }

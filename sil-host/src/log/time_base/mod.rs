@@ -182,9 +182,13 @@ impl<'a> Quantities<'a> {
     }
 
     /// The commands at their own times, the first the one in force at the first row; none where these are the rows'.
+    /// Where motors are logged nothing else drives the vehicle: stamps of a collective would make them look frequent.
     fn sent_beside(&self, rows_s: &[f64]) -> Option<Log> {
-        let commands: Vec<&Readings<'_>> =
-            self.of.iter().filter(|readings| readings.between == Between::Held).collect();
+        let is_motor = |readings: &&Readings<'_>| matches!(readings.quantity, Quantity::Motor(_));
+        let has_motors = self.of.iter().any(|readings| is_motor(&readings));
+        let drives =
+            |readings: &&Readings<'_>| readings.between == Between::Held && (!has_motors || is_motor(readings));
+        let commands: Vec<&Readings<'_>> = self.of.iter().filter(drives).collect();
         let mut stamps: Vec<f64> = commands.iter().flat_map(|readings| readings.time_s.iter().copied()).collect();
         stamps.sort_by(f64::total_cmp);
         stamps.dedup();
