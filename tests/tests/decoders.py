@@ -63,6 +63,11 @@ def px4(path):
     for name, field in [("roll", "roll_body"), ("pitch", "pitch_body"), ("yaw", "yaw_body")]:
         if field in data:
             show(f"{name}_ref_rad", "vehicle_attitude_setpoint", seconds(data, False), data[field])
+    data = topics.get("manual_control_setpoint", {})
+    for name, fields, sign in [("roll", ["roll", "y"], 1), ("pitch", ["pitch", "x"], -1), ("yaw", ["yaw", "r"], 1)]:
+        for field in [field for field in fields if field in data][:1]:
+            values = [sign * float(value) for value in data[field]]
+            show(f"{name}_stick", "manual_control_setpoint", seconds(data, False), values)
     if "actuator_motors" in topics:
         data = topics["actuator_motors"]
         for motor in range(4):
@@ -124,6 +129,13 @@ def ardupilot(path):
     for name in ["Roll", "Pitch", "Yaw"]:
         readings("ATT", f"{name.lower()}_rad", name, angle)
         readings("ATT", f"{name.lower()}_ref_rad", f"Des{name}", angle)
+    for axis, usual in [("roll", 1), ("pitch", 2), ("yaw", 4)]:
+        channel = int(parameter.get(f"RCMAP_{axis.upper()}", usual))
+        turned = parameter.get(f"RC{channel}_REVERSED", 0) == 1 or parameter.get(f"RC{channel}_REV", 1) == -1
+        sign = -1 if turned else 1
+        if "RCIN" in messages:
+            readings("RCIN", f"{axis}_stick", f"C{channel}",
+                     lambda us: max(-1.0, min(1.0, sign * (us - 1500.0) / 500.0)))
     least = parameter.get("MOT_PWM_MIN", 0) or parameter.get("RC3_MIN", 1000)
     most = parameter.get("MOT_PWM_MAX", 0) or parameter.get("RC3_MAX", 2000)
     field = "C{}" if hasattr(messages["RCOU"][0], "C1") else "Ch{}"
