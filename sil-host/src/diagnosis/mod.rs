@@ -19,6 +19,7 @@ mod base;
 mod baseline;
 mod block_bootstrap;
 pub mod controller;
+mod denied;
 mod estimate;
 mod evidence;
 mod extension;
@@ -317,10 +318,11 @@ fn answer<'e>(
     let horizons = evidence::horizons::horizons(&shooting.log, &driven);
     let base_terms = base::terms(search, found);
     let by_reference: Vec<ByReference> = by_reference(log.commanding()).into_iter().flatten().collect();
-    let warnings = evidence::warnings::warnings(&base_terms, &by_reference, &horizons);
-    let verdict = match evidence::warnings::denied(&base_terms, &by_reference).next() {
-        Some(_) => Verdict::NotShown,
-        None => Verdict::of(&findings, &base_terms, &unexplained, &statistics),
+    let denied = denied::denied(&by_reference, |axis| base::input_gain(&base_terms, axis));
+    let warnings = evidence::warnings::warnings(&base_terms, &denied, &horizons);
+    let verdict = match denied.as_slice() {
+        [] => Verdict::of(&findings, &base_terms, &unexplained, &statistics),
+        _ => Verdict::NotShown,
     };
     let [nominal_model, _, extended_model] = &driven;
     let (conditions, spectra) = evidence::conditions::conditions(

@@ -2,8 +2,6 @@
 
 use super::horizons::Horizon;
 use crate::diagnosis::base::BaseTerm;
-use crate::diagnosis::estimate::Estimate;
-use crate::log::sanity::ByReference;
 use crate::prediction::WINDOW_S;
 
 /// Share by which a base model must miss a channel by more than the nominal one for that to be said.
@@ -12,31 +10,13 @@ const HARM_FROM: f64 = 0.1;
 /// thousand by chance.
 const REVERSED_FROM: f64 = 3.0;
 
-/// Of a base model's numbers and of what they predict.
-pub(in crate::diagnosis) fn warnings(
-    base: &[BaseTerm],
-    by_reference: &[ByReference],
-    horizons: &[Horizon],
-) -> Vec<String> {
-    base.iter().filter_map(reversed).chain(held(base, by_reference)).chain(harm(base, horizons)).collect()
-}
-
-/// The gains that what follows from the reference surely denies: beside it stands what was fitted.
-pub(in crate::diagnosis) fn denied<'b>(
-    base: &'b [BaseTerm],
-    by_reference: &'b [ByReference],
-) -> impl Iterator<Item = (&'b ByReference, Estimate)> {
-    by_reference.iter().filter_map(|of| {
-        let mut terms = base.iter().filter(|term| term.effect == "input_gain" && term.axis == Some(of.axis));
-        let gain = *terms.next()?.parameters.values().next()?;
-        of.denies(gain.value, gain.std).then_some((of, gain))
-    })
+/// Of a base model's numbers, of those that are denied, in words, and of what they predict.
+pub(in crate::diagnosis) fn warnings(base: &[BaseTerm], denied: &[String], horizons: &[Horizon]) -> Vec<String> {
+    base.iter().filter_map(reversed).chain(held(denied)).chain(harm(base, horizons)).collect()
 }
 
 /// Gains that are a controller's answer to disturbances.
-fn held(base: &[BaseTerm], by_reference: &[ByReference]) -> Option<String> {
-    let denied: Vec<String> =
-        denied(base, by_reference).map(|(of, gain)| format!("{of}, {gain} by all motion")).collect();
+fn held(denied: &[String]) -> Option<String> {
     (!denied.is_empty()).then(|| {
         format!(
             "What follows from what the controller was told shows another input gain than all motion together, {}: \
@@ -83,6 +63,7 @@ fn harm(base: &[BaseTerm], horizons: &[Horizon]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::Estimate;
 
     #[test]
     fn an_axis_that_surely_turns_against_its_command_is_named() {

@@ -56,12 +56,6 @@ pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<Be
     let base = base::fitted(&search, &ordinary, Some(&in_sensors)).fit;
     let search = search.from(&base, &[]);
     let fit = search.refitted(base.terms, &base.starts);
-    let gain = |axis: Axis| {
-        let index =
-            fit.terms.iter().position(|term| term.effect.name() == "input_gain" && term.effect.axis() == Some(axis))?;
-        estimates(&fit, index, MODEL_ERROR).into_values().next()
-    };
-    super::refuse_denied(&joined, gain)?;
     let seen = seen::axes(&search, &fit);
     let mut model = BenchModel { name: super::name_of(log), ..BenchModel::default() };
     let mut numbers = Vec::new();
@@ -73,6 +67,8 @@ pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<Be
             numbers.push(number(term, per_unit_inertia(name), own, seen));
         }
     }
+    let gain = |axis: &str| numbers.iter().find(|number| number.name == format!("{axis}_input_gain"));
+    super::refuse_denied(&joined, |axis| gain(axis).map(|gain| gain.own))?;
     numbers.extend(together_s(&search, &fit).map(|own| Identified {
         name: "lag_and_delay_s".to_owned(),
         unit: "s",

@@ -24,6 +24,7 @@ mod seen;
 mod shown_flight;
 mod start;
 
+use super::denied::denied;
 use super::estimate::Estimate;
 use super::progress::Observer;
 use crate::axis::Axis;
@@ -31,10 +32,10 @@ use crate::log::sanity::by_reference;
 use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;
+use crate::vehicle::signed_sums;
 pub use bench::{BenchIdentification, identify_axes, identify_axes_observed};
 pub use mismatch::mismatch;
 pub use numbers::{Identified, effectiveness_rad_s2, manoeuvres_for};
-use shared_control::airframe::TORQUE_SIGNS;
 pub use shown_flight::ShownFlight;
 
 /// What gives the ratios that a log shows a scale.
@@ -126,30 +127,24 @@ pub fn identify_observed(
     }
     let model = VehicleModel::parse(&model.to_toml(), "the identified model")
         .map_err(|error| NotIdentified::Impossible(error.to_string()))?;
-    refuse_denied(&joined, gains_rad_s2(&model))?;
+    refuse_denied(&joined, |axis| gain_rad_s2(&model, axis))?;
     Ok(Identification { model, numbers, scale, source: source(logs, &joined) })
 }
 
-/// Angular accelerations about roll and pitch per unit of what turns a model about them, at the command that holds it.
-fn gains_rad_s2(model: &VehicleModel) -> impl Fn(Axis) -> Option<Estimate> {
-    let by_motor = effectiveness_rad_s2(model, model.base_command);
-    move |axis| {
-        let signs = TORQUE_SIGNS[axis.index()].map(f64::from);
-        // a motor has half of an axis' command
-        let value = 0.5 * by_motor.iter().zip(signs).map(|(of, sign)| sign * of[axis.index()]).sum::<f64>();
-        (axis != Axis::Yaw).then_some(Estimate { value, std: 0.0 })
-    }
+/// The angular acceleration of a model per unit of what turns it about roll or pitch, at the command that holds it.
+fn gain_rad_s2(model: &VehicleModel, axis: &str) -> Option<Estimate> {
+    let axis = [Axis::Roll, Axis::Pitch].into_iter().find(|tilt| tilt.name() == axis)?.index();
+    let by_motor = effectiveness_rad_s2(model, model.base_command).map(|of_motor| of_motor[axis]);
+    // a motor has half of an axis' command
+    Some(Estimate { value: 0.5 * signed_sums(by_motor)[axis], std: 0.0 })
 }
 
 /// Refuses gains that what follows from the log's references surely denies.
-fn refuse_denied(log: &Log, gain_rad_s2: impl Fn(Axis) -> Option<Estimate>) -> Result<(), NotIdentified> {
-    let known = Axis::ALL.into_iter().zip(by_reference(log));
-    let denied = known.filter_map(|(axis, known)| {
-        let (known, gain) = (known?, gain_rad_s2(axis)?);
-        known.denies(gain.value, gain.std).then(|| format!("{known}, {gain} by all motion"))
-    });
-    let denied: Vec<String> = denied.collect();
-    if denied.is_empty() { Ok(()) } else { Err(NotIdentified::Held(denied.join("; "))) }
+fn refuse_denied(log: &Log, fitted: impl Fn(&str) -> Option<Estimate>) -> Result<(), NotIdentified> {
+    match denied(by_reference(log).iter().flatten(), fitted).as_slice() {
+        [] => Ok(()),
+        denied => Err(NotIdentified::Held(denied.join("; "))),
+    }
 }
 
 /// What a model is called whose log is this.

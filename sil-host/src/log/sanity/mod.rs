@@ -17,6 +17,8 @@
 //! stretch of the same log. A bound lies half way between two labels (as far from radians as from degrees; as far from
 //! one axis as from the next), so that wrong scales, turned sensors, weak motors, lags and delays pass: they are for
 //! the diagnosis to find. A log that is too quiet or too short to tell passes, too.
+//!
+//! `by_reference` is no part of the gate: of the same means it makes the gains that follow from stick or reference.
 
 mod answers;
 mod bins;
