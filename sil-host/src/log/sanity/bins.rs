@@ -120,6 +120,22 @@ impl Bins {
         self.slope(&integral, half)
     }
 
+    /// Values without what is slow in them: their mean over `half` groups to each side; NaN where one of these has none,
+    /// and beside a gap.
+    pub(super) fn fast(&self, values: &[f64], half: usize) -> Vec<f64> {
+        let (mut sum, mut lacking) = (vec![0.0; values.len() + 1], vec![0; values.len() + 1]);
+        for (at, value) in values.iter().enumerate() {
+            sum[at + 1] = sum[at] + if value.is_nan() { 0.0 } else { *value };
+            lacking[at + 1] = lacking[at] + i32::from(value.is_nan());
+        }
+        let fast = |at: usize| {
+            let (before, after) = (at.checked_sub(half)?, at + half);
+            let is_whole = self.piece.get(after) == Some(&self.piece[before]) && lacking[after + 1] == lacking[before];
+            is_whole.then(|| values[at] - (sum[after + 1] - sum[before]) / (2 * half + 1) as f64)
+        };
+        (0..values.len()).map(|at| fast(at).unwrap_or(f64::NAN)).collect()
+    }
+
     /// The time over which [`Bins::slope`] takes the difference at each group, so much earlier; none beside a gap.
     pub(super) fn spans(&self, half: usize, earlier_s: f64) -> impl Iterator<Item = Option<Span>> {
         (0..self.rows.len()).map(move |at| {

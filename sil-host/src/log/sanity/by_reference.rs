@@ -7,6 +7,10 @@
 //! Data, ch. 5). Command, rate and, on a bench, angle are first predicted from the reference's last half second, then
 //! the angular acceleration is compared with the predictions.
 //!
+//! Two things else go with the stick. Moments that grow with the speed at which the vehicle is flown about are slow: all
+//! series are taken without what is slow in them. About yaw a vehicle also turns while its rotors gain speed, by far
+//! more at once than their drag does later: how fast the command changes is a cause of its own there.
+//!
 //! Many instruments that say little would draw the answer back to what it is without them: each stretch of the log is
 //! predicted from all others (Angrist, Imbens and Krueger 1999, "JIVE"), and the interval is the jackknife's over
 //! stretches, lag and delay chosen anew each time.
@@ -24,10 +28,13 @@ use super::regression::{Products, Sums, jackknife};
 use crate::axis::Axis;
 
 /// Motors follow within one of these times, s; commands act later by up to the last of the other, s.
-const LAGS_S: [f64; 5] = [0.0, 0.01, 0.02, 0.04, 0.08];
+const LAGS_S: [f64; 7] = [0.0, 0.01, 0.02, 0.03, 0.04, 0.06, 0.08];
 const DELAY_MAX_S: f64 = 0.08;
 /// How long ago each instrument was, s: a quarter of a second and more is what a loop takes to follow.
 const AGO_S: [f64; 11] = [0.0, 0.02, 0.04, 0.06, 0.09, 0.13, 0.18, 0.24, 0.32, 0.42, 0.55];
+/// What changes over more than twice this time is left out, s: a vehicle that is flown about meets moments that go with
+/// its speed, hence with the stick of a second ago.
+const FAST_S: f64 = 0.25;
 /// Angular accelerations are taken over twice this time, s.
 const HALF_SPAN_S: f64 = 0.02;
 /// So many standard deviations from none a gain must be to be told.
@@ -104,6 +111,8 @@ fn moves(values: &[f64]) -> bool {
 struct Rows<'b> {
     bins: &'b Bins,
     half: usize,
+    /// Does it turn while rotors gain speed, too?
+    has_lead: bool,
     acceleration: Vec<f64>,
     command: Vec<f64>,
     /// Rate, and on a bench the angle.
@@ -115,7 +124,8 @@ impl Rows<'_> {
     fn of<'b>(log: &Log, bins: &'b Bins, axis: Axis, command: Vec<f64>, instrument: &[f64]) -> Option<Rows<'b>> {
         let half = bins.steps(HALF_SPAN_S).max(1) as usize;
         let rate = bins.means(log.column(Quantity::Rate(axis))?);
-        let angle = log.column(Quantity::Angle(axis)).filter(|_| !log.shows_free_flight());
+        let has_lead = axis == Axis::Yaw;
+        let angle = log.column(Quantity::Angle(axis)).filter(|_| !has_lead && !log.shows_free_flight());
         let angle = angle.map(|angle| bins.mean_over(&bins.means_of_angle(angle), half));
         let mut steps: Vec<isize> = AGO_S.into_iter().map(|ago_s| bins.steps(ago_s)).collect();
         steps.dedup();
@@ -126,6 +136,7 @@ impl Rows<'_> {
             instruments: steps.into_iter().map(|by| bins.earlier(&smooth, by)).collect(),
             bins,
             half,
+            has_lead,
             command,
         })
     }
@@ -136,7 +147,8 @@ impl Rows<'_> {
             .flat_map(|lag_s| (0..=self.bins.steps(DELAY_MAX_S)).map(move |by| (lag_s, by)))
             .collect();
         let candidates: Vec<Products> = lates.iter().map(|late| self.products(*late, stretches)).collect();
-        let stages = Stages { causes: 1 + self.state.len(), instruments: self.instruments.len() };
+        let stages =
+            Stages { causes: 1 + usize::from(self.has_lead) + self.state.len(), instruments: self.instruments.len() };
         let best = |left_out: Option<usize>| {
             let left = candidates.iter().map(|of| stages.explained(&of.without(left_out)).unwrap_or(f64::NEG_INFINITY));
             left.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
@@ -171,8 +183,13 @@ impl Rows<'_> {
             .collect();
         let command = self.bins.earlier(&self.bins.mean_over(&lagged, self.half), by);
         let mut series = vec![self.acceleration.clone(), command];
+        if self.has_lead {
+            series.push(self.bins.earlier(&self.bins.slope(&lagged, self.half), by));
+        }
         series.extend(self.state.iter().cloned());
         series.extend(self.instruments.iter().cloned());
+        let around = self.bins.steps(FAST_S).max(1) as usize;
+        let series: Vec<Vec<f64>> = series.iter().map(|values| self.bins.fast(values, around)).collect();
         Products::of(&series, stretches)
     }
 }
@@ -263,13 +280,22 @@ mod tests {
     const GAIN: f64 = 300.0;
     const DELAY_ROWS: usize = 4;
 
-    /// A minute of an axis under a controller with integrator, its stick moved every half second, its disturbance of
-    /// 30 rad/s^2 remembered for a tenth of one.
-    fn flight(stick_rad_s: f64, seed: u64) -> Log {
+    /// What a flight has beside its disturbance of 30 rad/s^2, which is remembered for a tenth of a second.
+    #[derive(Clone, Copy, Default)]
+    struct Beside {
+        /// A moment against the speed, which is the rate of the last second, rad/s^2 per rad/s.
+        by_speed_1_s: f64,
+        /// The turn while rotors gain speed, rad/s per unit of command, and their lag, s.
+        lead_rad_s: f64,
+        lag_s: f64,
+    }
+
+    /// A minute of an axis under a controller with integrator, its stick moved every half second.
+    fn flight(axis: Axis, stick_rad_s: f64, beside: Beside, seed: u64) -> Log {
         let mut random = RandomStream::new(seed, "by_reference");
         let rows: usize = 12_000;
-        let [mut rate, mut integral, mut disturbance, mut stick] = [0.0; 4];
-        let mut log = Log { axes: [false, true, false], ..Log::default() };
+        let [mut rate, mut integral, mut disturbance, mut stick, mut speed, mut rotor] = [0.0; 6];
+        let mut log = Log { axes: Axis::ALL.map(|of| of == axis), ..Log::default() };
         let [mut rates, mut commands, mut sticks] = [const { Vec::<f64>::new() }; 3];
         for row in 0..rows {
             log.time_s.push(row as f64 * STEP_S);
@@ -284,18 +310,23 @@ mod tests {
             integral += error * STEP_S;
             commands.push(((14.0 * error + 60.0 * integral) / GAIN).clamp(-1.0, 1.0));
             let acts = row.checked_sub(DELAY_ROWS).map_or(0.0, |at| commands[at]);
-            rate += STEP_S * (GAIN * acts + disturbance - 0.5 * rate);
+            let followed = if beside.lag_s > 0.0 { 1.0 - libm::exp(-STEP_S / beside.lag_s) } else { 1.0 };
+            let gained = followed * (acts - rotor);
+            rotor += gained;
+            speed += STEP_S * (rate - speed);
+            rate += STEP_S * (GAIN * rotor + disturbance - 0.5 * rate - beside.by_speed_1_s * speed);
+            rate += beside.lead_rad_s * gained;
         }
-        log.set_column(Quantity::Rate(Axis::Pitch), rates);
-        log.set_column(Quantity::Command(Axis::Pitch), commands);
-        log.set_column(Quantity::Stick(Axis::Pitch), sticks);
+        log.set_column(Quantity::Rate(axis), rates);
+        log.set_column(Quantity::Command(axis), commands);
+        log.set_column(Quantity::Stick(axis), sticks);
         log
     }
 
     #[test]
     fn a_gain_that_a_controller_hides_follows_from_the_stick() {
         for seed in 0..8 {
-            let log = flight(2.5, seed);
+            let log = flight(Axis::Pitch, 2.5, Beside::default(), seed);
             let found = by_reference(&log)[1].unwrap();
             assert!((found.gain_rad_s2 - GAIN).abs() < 3.0 * found.std_rad_s2, "seed {seed}: {found}");
             assert!(found.std_rad_s2 < 0.25 * GAIN && found.by_stick, "seed {seed}: {found}");
@@ -307,11 +338,31 @@ mod tests {
         }
     }
 
+    /// Of eight flights most tell the gain, and each that does so tells the right one.
+    fn tells_the_gain(axis: Axis, beside: Beside) {
+        let told: Vec<ByReference> =
+            (0..8).filter_map(|seed| by_reference(&flight(axis, 2.5, beside, seed))[axis.index()]).collect();
+        assert!(told.len() >= 6, "{told:?}");
+        for found in &told {
+            assert!((found.gain_rad_s2 - GAIN).abs() < 3.0 * found.std_rad_s2, "{found}");
+        }
+    }
+
+    #[test]
+    fn a_moment_that_grows_with_speed_leaves_the_gain() {
+        tells_the_gain(Axis::Pitch, Beside { by_speed_1_s: 20.0, ..Beside::default() });
+    }
+
+    #[test]
+    fn rotors_that_gain_speed_do_not_pass_for_their_drag() {
+        tells_the_gain(Axis::Yaw, Beside { lead_rad_s: 20.0, lag_s: 0.03, ..Beside::default() });
+    }
+
     #[test]
     fn a_stick_that_hardly_moves_says_nothing() {
         for seed in 0..8 {
-            assert_eq!(by_reference(&flight(0.02, seed)), [None; 3], "seed {seed}");
-            assert_eq!(by_reference(&flight(0.0, seed)), [None; 3]);
+            assert_eq!(by_reference(&flight(Axis::Pitch, 0.02, Beside::default(), seed)), [None; 3], "seed {seed}");
+            assert_eq!(by_reference(&flight(Axis::Pitch, 0.0, Beside::default(), seed)), [None; 3]);
         }
     }
 }
