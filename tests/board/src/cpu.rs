@@ -12,6 +12,7 @@ use unicorn_engine::{Arch, ArmCpuModel, HookType, Mode, Prot, RegisterARM, Unico
 use crate::cortex::cycles::{Block, REFILL};
 use crate::memory::{self, Memory, Region};
 use crate::peripherals::flash_timing::{AccessControl, FlashTiming};
+use crate::translation;
 
 /// What ended a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,6 +151,7 @@ impl Cpu {
             map_bus(&mut engine, region, bus, &hooked)?;
         }
         install_hooks(&mut engine, &hooked)?;
+        translation::install(&mut engine)?;
         Ok(Self { engine, hooked })
     }
 

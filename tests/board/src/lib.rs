@@ -28,6 +28,7 @@ mod stop;
 pub mod thumb;
 pub mod time;
 mod trace;
+mod translation;
 mod transmitter;
 mod twin;
 mod vehicle;

@@ -85,6 +85,35 @@ fn an_alias_changes_one_bit_and_reads_it() {
     assert_eq!(results(&program), [1 << 20 | 1 << 3, 1, 0, 1 << 3]);
 }
 
+#[test]
+fn ram_is_code_too_and_runs_as_it_was_written_last() {
+    // on the page of the results, so that stores of data hit it too
+    const CODE: u32 = RESULT + 0x100;
+    // movs r3, #number; bx lr
+    let returns = |number: u32| 0x4770_2300 | number;
+    let mut program = Program::default();
+    program.main();
+    for (place, number) in [(0, 1), (4, 2), (8, 3)] {
+        // blx r0; str r3, [r0]
+        program.store(CODE, returns(number)).settle().load(0, CODE | 1).put(&[0x4780]);
+        program.load(0, RESULT + place).put(&[0x6003]);
+    }
+    assert_eq!(results(program.sleep()), [1, 2, 3]);
+}
+
+/// The first access to a page, within an IT block, is where the emulator has to be helped.
+#[test]
+fn an_it_block_ends_where_it_ends() {
+    for first_access in [0x680b, 0x600b] {
+        let mut program = Program::default();
+        // cmp r0, r0; itt eq; ldr or str r3, [r1]; mov r2, r2; movs r0, #1; b to the next
+        program.main().load(1, 0x2000_8000).put(&[0x4280, 0xbf04, first_access, 0x4612, 0x2001, 0xe7ff]);
+        // movs r3, #7; str r3, [r0]
+        program.put(&[0x2307]).load(0, RESULT).put(&[0x6003]).sleep();
+        assert_eq!(results(&program), [7]);
+    }
+}
+
 /// Copies PC out of the frame, CFSR, HFSR, BFAR.
 fn note_fault(program: &mut Program) {
     // ldr r1, [sp, #24]
