@@ -120,8 +120,8 @@ impl Bins {
         self.slope(&integral, half)
     }
 
-    /// Values without what is slow in them: their mean over `half` groups to each side; NaN where one of these has none,
-    /// and beside a gap.
+    /// Values without what is slow in them: their mean over `half` groups to each side; NaN where one of these has
+    /// none, and beside a gap.
     pub(super) fn fast(&self, values: &[f64], half: usize) -> Vec<f64> {
         let (mut sum, mut lacking) = (vec![0.0; values.len() + 1], vec![0; values.len() + 1]);
         for (at, value) in values.iter().enumerate() {

@@ -7,9 +7,9 @@
 //! Data, ch. 5). Command, rate and, on a bench, angle are first predicted from the reference's last half second, then
 //! the angular acceleration is compared with the predictions.
 //!
-//! Two things else go with the stick. Moments that grow with the speed at which the vehicle is flown about are slow: all
-//! series are taken without what is slow in them. About yaw a vehicle also turns while its rotors gain speed, by far
-//! more at once than their drag does later: how fast the command changes is a cause of its own there.
+//! Two things else go with the stick. Moments that grow with the speed at which the vehicle is flown about are slow:
+//! all series are taken without what is slow in them. About yaw a vehicle also turns while its rotors gain speed, by
+//! far more at once than their drag does later: how fast the command changes is a cause of its own there.
 //!
 //! Many instruments that say little would draw the answer back to what it is without them: each stretch of the log is
 //! predicted from all others (Angrist, Imbens and Krueger 1999, "JIVE"), and the interval is the jackknife's over
