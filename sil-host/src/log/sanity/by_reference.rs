@@ -107,7 +107,7 @@ fn moves(values: &[f64]) -> bool {
     values.iter().any(|value| *value != values[0])
 }
 
-/// An axis' series in groups of rows, all smoothed alike.
+/// An axis' series in groups of rows, all smoothed alike; but for the command, without what is slow in them.
 struct Rows<'b> {
     bins: &'b Bins,
     half: usize,
@@ -130,10 +130,11 @@ impl Rows<'_> {
         let mut steps: Vec<isize> = AGO_S.into_iter().map(|ago_s| bins.steps(ago_s)).collect();
         steps.dedup();
         let smooth = bins.mean_over(instrument, half);
+        let state = std::iter::once(bins.mean_over(&rate, half)).chain(angle);
         Some(Rows {
-            acceleration: bins.slope(&rate, half),
-            state: std::iter::once(bins.mean_over(&rate, half)).chain(angle).collect(),
-            instruments: steps.into_iter().map(|by| bins.earlier(&smooth, by)).collect(),
+            acceleration: fast(bins, &bins.slope(&rate, half)),
+            state: state.map(|values| fast(bins, &values)).collect(),
+            instruments: steps.into_iter().map(|by| fast(bins, &bins.earlier(&smooth, by))).collect(),
             bins,
             half,
             has_lead,
@@ -181,17 +182,20 @@ impl Rows<'_> {
                 follows
             })
             .collect();
-        let command = self.bins.earlier(&self.bins.mean_over(&lagged, self.half), by);
-        let mut series = vec![self.acceleration.clone(), command];
+        let cause = |values: &[f64]| fast(self.bins, &self.bins.earlier(values, by));
+        let mut series = vec![self.acceleration.clone(), cause(&self.bins.mean_over(&lagged, self.half))];
         if self.has_lead {
-            series.push(self.bins.earlier(&self.bins.slope(&lagged, self.half), by));
+            series.push(cause(&self.bins.slope(&lagged, self.half)));
         }
         series.extend(self.state.iter().cloned());
         series.extend(self.instruments.iter().cloned());
-        let around = self.bins.steps(FAST_S).max(1) as usize;
-        let series: Vec<Vec<f64>> = series.iter().map(|values| self.bins.fast(values, around)).collect();
         Products::of(&series, stretches)
     }
+}
+
+/// Values without what is slow in them.
+fn fast(bins: &Bins, values: &[f64]) -> Vec<f64> {
+    bins.fast(values, bins.steps(FAST_S).max(1) as usize)
 }
 
 /// Where in the sums the causes and the instruments stand; the acceleration is first.
