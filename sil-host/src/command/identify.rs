@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use sil_host::answer::board_parameters::{board_parameters, params_file};
 use sil_host::answer::identified::{table, table_of};
-use sil_host::diagnosis::{Identified, KnownScale, identify_axes_observed, identify_observed};
+use sil_host::diagnosis::{Identified, KnownScale, NotIdentified, identify_axes_observed, identify_observed};
 use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
@@ -20,9 +20,9 @@ Example: sil identify flight1.bin flight2.bin --known mass_kg=1.35 --known arm_m
 Example: sil identify bench.csv.gz --map antx -o bench.toml\n\
 Example: sil identify flight.bin --known mass_kg=1.35 --known arm_m=0.225 --params vehicle.params\n\
 Example: sil diagnose other.ulg --model vehicle.toml\n\n\
-All logs are of one vehicle. A free flight with the commands of four motors gives a vehicle; any other log gives\n\
-separate axes. Each number of the file says how sure it is; what the logs do not show is marked, with what to fly to\n\
-know it. docs/identification.md explains it.")]
+All logs are of one vehicle. A free flight with the commands of four motors gives a vehicle; any other log, and a\n\
+flight that shows no vehicle, gives separate axes. Each number of the file says how sure it is; what the logs do not\n\
+show is marked, with what to fly to know it. docs/identification.md explains it.")]
 pub struct IdentifyArguments {
     #[command(flatten)]
     log: LogArguments,
@@ -52,43 +52,40 @@ struct Answer {
     numbers: Vec<Identified>,
 }
 
+/// A model, as a table and as a file, and its numbers.
+struct Made {
+    shown: String,
+    toml: String,
+    answer: Answer,
+}
+
 pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     let scale = scale(&arguments.known)?;
     let mut logs = vec![arguments.log.read_examined(arguments.log.path())?];
     for path in &arguments.more {
         logs.push(arguments.log.read_examined(path)?);
     }
-    let refused = |error: sil_host::diagnosis::NotIdentified| bad_input(format!("{}: {error}", logs[0].path));
-    let (shown, toml, answer) = if arguments.log.is_of_vehicle(&logs)? {
-        let identified = {
-            let line = ProgressLine::new();
-            identify_observed(&logs, scale, &|progress| line.show(progress)).map_err(refused)?
-        };
-        if let Some(path) = &arguments.params {
-            let not_for_a_board = |reason| {
-                bad_input(format!("--params: {reason}; without --params, what these logs do not show is marked"))
-            };
-            let parameters = board_parameters(&identified.model).map_err(not_for_a_board)?;
-            write_file(path, params_file(&identified.source, &parameters).as_bytes())?;
-        }
-        let (shown, toml) = (table(&identified), identified.to_toml());
-        (shown, toml, Answer { source: identified.source, numbers: identified.numbers })
-    } else if let Some(known) = arguments.known.first() {
-        return Err(bad_input(format!("--known {known}: separate axes have neither mass nor arm: leave it out")));
-    } else {
-        if arguments.params.is_some() {
-            return Err(bad_input("--params: separate axes are no vehicle that a board could fly"));
-        }
-        let identified = {
-            let line = ProgressLine::new();
-            identify_axes_observed(&logs, &|progress| line.show(progress)).map_err(refused)?
-        };
-        let (shown, toml) = (table_of(&identified.numbers), identified.to_toml());
-        (shown, toml, Answer { source: identified.source, numbers: identified.numbers })
+    let refused = |error: NotIdentified| bad_input(format!("{}: {error}", logs[0].path));
+    let is_of_vehicle = arguments.log.is_of_vehicle(&logs)?;
+    let (note, made) = match is_of_vehicle.then(|| vehicle(arguments, &logs, scale)) {
+        None => (None, axes_asked_for(arguments, &logs)?.map_err(refused)?),
+        Some(made) => match made? {
+            Ok(made) => (None, made),
+            // what no vehicle can be had from may show what the commands do about each axis
+            Err(error) => match axes_of_flight(arguments, &logs, &error) {
+                Some(axes) => {
+                    (Some(format!("no vehicle could be identified: {error}; instead each axis by itself")), axes)
+                }
+                None => return Err(refused(error)),
+            },
+        },
     };
+    let Made { shown, toml, answer } = made;
+    let of_note = |start: &str| note.as_ref().map(|note| format!("{start}{note}\n")).unwrap_or_default();
+    let toml = of_note("# ") + &toml;
     match &arguments.out {
         Some(out) => {
-            print(format!("{}\n{shown}", heads(&logs)))?;
+            print(format!("{}{}\n{shown}", heads(&logs), of_note("")))?;
             write_file(out, toml.as_bytes())?;
             print(format!("model           {}\n", out.display()))?;
         }
@@ -97,6 +94,58 @@ pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
         None => print(toml)?,
     }
     write_json(arguments.json.as_deref(), &answer)
+}
+
+/// A vehicle of logs, and the parameters for a board to fly it.
+fn vehicle(
+    arguments: &IdentifyArguments,
+    logs: &[Log],
+    scale: KnownScale,
+) -> Result<Result<Made, NotIdentified>, Failure> {
+    let line = ProgressLine::new();
+    let identified = match identify_observed(logs, scale, &|progress| line.show(progress)) {
+        Ok(identified) => identified,
+        Err(error) => return Ok(Err(error)),
+    };
+    drop(line);
+    if let Some(path) = &arguments.params {
+        let not_for_a_board =
+            |reason| bad_input(format!("--params: {reason}; without --params, what these logs do not show is marked"));
+        let parameters = board_parameters(&identified.model).map_err(not_for_a_board)?;
+        write_file(path, params_file(&identified.source, &parameters).as_bytes())?;
+    }
+    let (shown, toml) = (table(&identified), identified.to_toml());
+    Ok(Ok(Made { shown, toml, answer: Answer { source: identified.source, numbers: identified.numbers } }))
+}
+
+/// Separate axes, which have no scale and fly no board.
+fn axes_asked_for(arguments: &IdentifyArguments, logs: &[Log]) -> Result<Result<Made, NotIdentified>, Failure> {
+    if let Some(known) = arguments.known.first() {
+        return Err(bad_input(format!("--known {known}: separate axes have neither mass nor arm: leave it out")));
+    }
+    if arguments.params.is_some() {
+        return Err(bad_input("--params: separate axes are no vehicle that a board could fly"));
+    }
+    Ok(axes(logs))
+}
+
+fn axes(logs: &[Log]) -> Result<Made, NotIdentified> {
+    let line = ProgressLine::new();
+    let identified = identify_axes_observed(logs, &|progress| line.show(progress))?;
+    let (shown, toml) = (table_of(&identified.numbers), identified.to_toml());
+    Ok(Made { shown, toml, answer: Answer { source: identified.source, numbers: identified.numbers } })
+}
+
+/// Separate axes of a flight that gave no vehicle, where nothing was asked for that only a vehicle has, and where they
+/// show what the commands do about roll or pitch.
+fn axes_of_flight(arguments: &IdentifyArguments, logs: &[Log], error: &NotIdentified) -> Option<Made> {
+    let asks_for_vehicle = !arguments.known.is_empty() || arguments.params.is_some() || arguments.log.names_a_rig();
+    let may_be = matches!(error, NotIdentified::Quiet(_) | NotIdentified::AtOnce(_) | NotIdentified::Held(_));
+    let made = (may_be && !asks_for_vehicle).then(|| axes(logs).ok())??;
+    let shows = |number: &Identified| {
+        ["roll_input_gain", "pitch_input_gain"].contains(&number.name.as_str()) && number.to_fly.is_none()
+    };
+    made.answer.numbers.iter().any(shows).then_some(made)
 }
 
 /// What gives the numbers a scale.

@@ -161,6 +161,11 @@ impl LogArguments {
         }
     }
 
+    /// Was it said what carries the vehicle?
+    pub fn names_a_rig(&self) -> bool {
+        self.rig.is_some()
+    }
+
     /// The option that names a controller, where it was given.
     pub fn controller_option(&self) -> Option<&'static str> {
         self.controller.first().map(|_| "--controller")

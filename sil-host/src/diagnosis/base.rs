@@ -21,6 +21,7 @@ use super::search::{Candidate, Search};
 use super::verdict::{MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term, as_terms};
+use crate::diagnosis::fitting::process_noise::Disturbance;
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::{Effect, Prior, Scope};
 use crate::log::Log;
@@ -140,6 +141,13 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted], in_sensors
     best.unwrap_or_else(|| search.nominal())
 }
 
+/// The same from these numbers on alone.
+pub(super) fn fitted_from<'e>(search: &Search<'e>, ordinary: &'e [Fitted], numbers: &Numbers) -> Fit<'e> {
+    let effects = search.gains.iter().map(|gain| gain.effect).chain(ordinary);
+    let terms = effects.zip(numbers).map(|(effect, values)| Term { effect, values: values.clone() });
+    search.settled(terms.collect(), f64::INFINITY).fit
+}
+
 /// Where its fits begin: where the last one ended, at the usual lags and delays with nothing else, and at the gains of
 /// a regression.
 fn beginnings<'e>(
@@ -213,7 +221,7 @@ pub(super) fn disturbed<'l>(
 ) -> Result<(Shooting<'l>, Numbers), NotPredictable> {
     let fit = fitted(search, ordinary, None).fit;
     let numbers = fit.terms.iter().map(|term| term.values.clone()).collect();
-    Ok((in_noise_of(log, subject, search, &fit)?, numbers))
+    Ok((in_noise_of(log, subject, search, &fit, Disturbance::White)?, numbers))
 }
 
 /// A log in windows, in the noise of all that a model does not know.
@@ -225,8 +233,9 @@ pub(super) fn in_noise_of<'l>(
     subject: &Subject<'_>,
     search: &Search<'_>,
     model: &Fit<'_>,
+    may_be: Disturbance,
 ) -> Result<Shooting<'l>, NotPredictable> {
-    let (moments, forces) = noise_beyond_sensors(search, &search.training, model);
+    let (moments, forces) = noise_beyond_sensors(search, &search.training, model, may_be);
     let windowed = subject.windowed(log, &subject.noise(log))?.windowed_as(&search.shooting.log);
     Ok(Shooting::new(windowed).with_noise(moments, forces))
 }

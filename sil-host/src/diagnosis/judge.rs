@@ -1,7 +1,8 @@
 //! The judge is what a user sees: the error of open-loop predictions, channel by channel, over windows that nothing was
-//! fitted to. What is in a model stays if it takes a share of that error away beyond chance, and if no channel is worse
-//! for it beyond chance. The search's own measure, a likelihood, is about the next row given all rows before; a model
-//! may be better at that and worse at what it is for.
+//! fitted to (about axes whose commands hold against a disturbance, of each row from those before it: `yardstick`).
+//! What is in a model stays if it takes a share of that error away beyond chance, and if no channel is worse for it
+//! beyond chance. The search's own measure, a likelihood, is about the next row given all rows before; a model may be
+//! better at that and worse at what it is for.
 //!
 //! The windows of the report are not looked at. Over the others, fold by fold, each is predicted with the numbers that
 //! the other folds give (one step of Newton's from those of all).

@@ -28,6 +28,7 @@ mod fitted;
 mod fitting;
 mod flown_by;
 mod found;
+mod holding;
 mod identification;
 mod judge;
 mod kinematics;
@@ -79,10 +80,11 @@ pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
 use fitted::Fitted;
 pub use fitted::per_unit_inertia;
-use fitting::fit::{as_terms, model_of};
+use fitting::fit::{Fit, as_terms, model_of};
 use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
+pub use holding::{Holding, LastingGain};
 pub use identification::{
     BenchIdentification, Identification, Identified, KnownScale, NotIdentified, ShownFlight, effectiveness_rad_s2,
     identify, identify_axes, identify_axes_observed, identify_observed, manoeuvres_for, mismatch,
@@ -114,6 +116,11 @@ pub struct Diagnosis {
     /// Motors' lag and the delay before them together, s, which a log shows far better than either; none where not
     /// both are fitted.
     pub lateness_s: Option<Estimate>,
+    /// Disturbances that last, where the commands hold against such; the base model is fitted under them, and open loop
+    /// it is not to be judged.
+    pub holding: Vec<Holding>,
+    /// Gains as they would be if disturbances lasted, where the base model's are not surely others.
+    pub lasting_gains: Vec<LastingGain>,
     /// Gains by what follows from the pilot's stick or the reference alone; of axes that show them surely.
     pub by_reference: Vec<ByReference>,
     /// What not to rely on among the base model's numbers, in sentences.
@@ -282,11 +289,24 @@ fn searched<T>(
     let (shooting, in_sensors) = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
     let base = base::modelled(&search, &ordinary, &in_sensors);
-    let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));
-    let hypotheses = known.leaves(sensors.informed(beside));
-    let search = search.from(&base, &hypotheses);
-    let found = search.run();
-    Ok(conclude(&search, found))
+    let beside = |search: Search<'_>, base: &Fit<'_>| {
+        let beside = Fitted::beside(&scope, |axis| base::is_trimmed(base, axis));
+        let hypotheses = known.leaves(sensors.informed(beside));
+        let search = search.from(base, &hypotheses);
+        let found = search.run();
+        conclude(&search, found)
+    };
+    match holding::in_lasting_noise(log, subject, &search, &ordinary, &base)? {
+        Some(lasting) if lasting.denies => {
+            let search = Search::new(&lasting.shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
+            let base = base::modelled(&search, &ordinary, &lasting.numbers);
+            Ok(beside(search, &base))
+        }
+        lasting => {
+            let lasting_gains = lasting.map_or_else(Vec::new, |lasting| lasting.gains);
+            Ok(beside(search.with_lasting_gains(lasting_gains), &base))
+        }
+    }
 }
 
 fn answer<'e>(
@@ -319,9 +339,11 @@ fn answer<'e>(
     let base_terms = base::terms(search, found);
     let by_reference: Vec<ByReference> = by_reference(log.commanding()).into_iter().flatten().collect();
     let denied = denied::denied(&by_reference, |axis| base::input_gain(&base_terms, axis));
-    let warnings = evidence::warnings::warnings(&base_terms, &denied, &horizons);
-    let verdict = match denied.as_slice() {
-        [] => Verdict::of(&findings, &base_terms, &unexplained, &statistics),
+    let holding = holding::holding(shooting);
+    let warnings = evidence::warnings::warnings(&base_terms, &denied, &holding, &horizons);
+    let verdict = match (denied.as_slice(), holding.as_slice()) {
+        ([], []) => Verdict::of(&findings, &base_terms, &unexplained, &statistics),
+        ([], _) => Verdict::of_holding(&findings, &base_terms),
         _ => Verdict::NotShown,
     };
     let [nominal_model, _, extended_model] = &driven;
@@ -337,6 +359,8 @@ fn answer<'e>(
         known: Vec::new(),
         base: base_terms,
         lateness_s: lateness::together_s(search, &found.refitted.chosen),
+        holding,
+        lasting_gains: search.lasting_gains.clone(),
         by_reference,
         warnings,
         findings,

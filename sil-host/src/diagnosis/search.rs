@@ -9,6 +9,7 @@
 use std::sync::OnceLock;
 
 use super::fitted::Fitted;
+use super::holding::LastingGain;
 use super::plausible::{has_bound, is_plausible};
 use super::progress::{Observer, Progress};
 use super::scoring::Scored;
@@ -61,6 +62,8 @@ pub(super) struct Search<'e> {
     pub(super) observer: Observer<'e>,
     /// What the judge measures by, once it has been asked.
     yardstick: OnceLock<Yardstick>,
+    /// The gains if disturbances lasted.
+    pub(super) lasting_gains: Vec<LastingGain>,
 }
 
 /// A fit and what it is worth.
@@ -105,7 +108,20 @@ impl<'e> Search<'e> {
         let (training, choice) = (of(Part::Fit), of(Part::Choice));
         let always = gains.clone();
         let yardstick = OnceLock::new();
-        Search { shooting, nominal, catalogue, gains, always, training, choice, report, observer, yardstick }
+        let lasting_gains = Vec::new();
+        Search {
+            shooting,
+            nominal,
+            catalogue,
+            gains,
+            always,
+            training,
+            choice,
+            report,
+            observer,
+            yardstick,
+            lasting_gains,
+        }
     }
 
     /// The same from a base model on, with what can be beside it.
@@ -113,9 +129,14 @@ impl<'e> Search<'e> {
         Search { always: base.terms.clone(), catalogue, ..self }
     }
 
+    /// The same, with what gains would be if disturbances lasted.
+    pub(super) fn with_lasting_gains(self, lasting_gains: Vec<LastingGain>) -> Search<'e> {
+        Search { lasting_gains, ..self }
+    }
+
     /// What the judge measures by; the first model it is asked for is near enough to all others.
     pub(super) fn yardstick(&self, near: &Driven) -> &Yardstick {
-        self.yardstick.get_or_init(|| Yardstick::new(&self.shooting.log, near))
+        self.yardstick.get_or_init(|| Yardstick::new(self.shooting, near))
     }
 
     /// Windows by their numbers.

@@ -13,6 +13,7 @@ use super::search::Search;
 use super::verdict::{MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, as_terms, fit, model_of};
+use crate::diagnosis::fitting::process_noise::Disturbance;
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Hints;
 use crate::log::Log;
@@ -40,7 +41,7 @@ pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Op
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&along), &|_| ());
     let under_sensors = fitted_to_all(&shooting, &nominal, terms);
     let all = shooting.log.in_use();
-    let (moments, forces) = noise_beyond_sensors(&search, &all, &under_sensors);
+    let (moments, forces) = noise_beyond_sensors(&search, &all, &under_sensors, Disturbance::White);
     let shooting = subject.shooting(log, &subject.noise(log))?.with_noise(moments, forces);
     Ok(fitted_to_all(&shooting, &nominal, under_sensors.terms).sizes(asked))
 }

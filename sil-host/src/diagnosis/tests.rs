@@ -1,4 +1,5 @@
 use super::fitting::fit::{self, Term};
+use super::fitting::process_noise::Disturbance;
 use super::fitting::shooting;
 use super::*;
 use crate::axis::Axis;
@@ -192,7 +193,7 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
         let starts = shooting.log.measured_starts(&driven.model);
         let fit = fit::fit(shooting, &nominal, truth.clone(), &starts, &training);
         let left = shooting.log.drive(model_of(&nominal, &fit.terms));
-        let noise = shooting.most_likely_noise(&left, &training, &fit.starts);
+        let noise = shooting.most_likely_noise(&left, &training, &fit.starts, Disturbance::White);
         // (error, standard deviation) of gain, lag and stiffness
         let errors = [(0, 200.0), (1, 0.02), (2, 9.0)]
             .map(|(term, truth)| (fit.terms[term].values[0] - truth, fit.variance_of(term, 0).sqrt()));

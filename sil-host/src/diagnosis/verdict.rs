@@ -123,6 +123,16 @@ impl Verdict {
             (false, _) => Verdict::PartlyExplained,
         }
     }
+
+    /// Of commands that hold against a disturbance. Nothing open loop says what a model is worth there, and what moves
+    /// the vehicle beside its commands is in no catalogue.
+    pub(super) fn of_holding(findings: &[Finding], base: &[BaseTerm]) -> Verdict {
+        match (answers(base), findings.is_empty()) {
+            (false, _) => Verdict::NotShown,
+            (true, true) => Verdict::UnknownEffect,
+            (true, false) => Verdict::PartlyExplained,
+        }
+    }
 }
 
 /// Does an axis surely follow its command? What has no gain to fit has a model that says so.

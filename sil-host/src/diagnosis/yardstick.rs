@@ -1,11 +1,18 @@
-//! What the judge measures by: errors of open-loop predictions over windows that are not the report's, window by window
-//! at two horizons.
+//! What the judge measures by: errors of predictions over windows that are not the report's, window by window at two
+//! horizons.
+//!
+//! They are open loop, as the report's are, but about an axis whose commands hold against a disturbance (`holding`).
+//! Open loop these seem to turn the vehicle the other way: the better a model knows what commands do, the more it
+//! misses. There each row is held against what the rows before it say, which is the fit's own measure.
 //!
 //! Hundreds of models are held against the same windows. How the rows around a window's start show the state there
 //! hardly differs between them, so it is found once.
 
 use rayon::prelude::*;
 
+use crate::axis::Axis;
+use crate::diagnosis::fitting::axis_filter::AxisFilter;
+use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::start_state::StartSight;
 use crate::prediction::windowed_log::{Driven, WindowedLog};
 use crate::prediction::{Part, Window};
@@ -29,13 +36,20 @@ struct Predicted {
     window: Window,
     /// None where the rows around its start do not show the state there.
     sight: Option<StartSight>,
+    /// Of axes that are held against the rows before.
+    filters: Vec<(Axis, AxisFilter)>,
 }
 
 impl Yardstick {
     /// For models near to this one.
-    pub(super) fn new(log: &WindowedLog<'_>, near: &Driven) -> Yardstick {
+    pub(super) fn new(shooting: &Shooting<'_>, near: &Driven) -> Yardstick {
+        let log = &shooting.log;
         let windows = log.part(&[Part::Fit, Part::Choice]);
-        let predicted = |window: Window| Predicted { sight: log.start_sight(near, &window), window };
+        let predicted = |window: Window| Predicted {
+            sight: log.start_sight(near, &window),
+            filters: shooting.lasting(&window),
+            window,
+        };
         let parts = HORIZONS_S.map(|horizon_s| {
             let of = |index: &usize| {
                 let parts = Window::of_length(log.rows(), &[log.windows[*index]], horizon_s);
@@ -61,8 +75,12 @@ impl Yardstick {
 /// Mean squares by channel over the parts of a window.
 fn mean_squares(log: &WindowedLog<'_>, driven: &Driven, parts: &[Predicted]) -> Vec<f64> {
     let (mut squares, mut rows) = (vec![0.0; log.compared().count()], 0);
-    for Predicted { window, sight } in parts {
-        let of_part = squared_errors(log, driven, window, sight.as_ref());
+    for Predicted { window, sight, filters } in parts {
+        let mut missed = log.missed(driven, window, sight.as_ref());
+        for (axis, filter) in filters {
+            filter.innovate(&mut missed, &log.restoring(driven, window, *axis));
+        }
+        let of_part = squares_of(log, window, &missed);
         squares.iter_mut().zip(of_part).for_each(|(sum, square)| *sum += square);
         rows += window.end - window.start;
     }
@@ -76,8 +94,12 @@ pub(super) fn squared_errors(
     window: &Window,
     sight: Option<&StartSight>,
 ) -> Vec<f64> {
+    squares_of(log, window, &log.missed(driven, window, sight))
+}
+
+/// Sum of squares by channel of what is missed of a window, the rows before its start left out.
+fn squares_of(log: &WindowedLog<'_>, window: &Window, missed: &[f64]) -> Vec<f64> {
     let (before, rows) = (window.start - window.lead, window.end - window.lead);
-    let missed = log.missed(driven, window, sight);
     let square = |missed: &[f64], sigma: f64| missed[before..].iter().map(|error| (sigma * error).powi(2)).sum();
     missed.chunks(rows).zip(log.compared()).map(|(missed, (_, sigma))| square(missed, sigma)).collect()
 }

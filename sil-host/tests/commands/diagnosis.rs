@@ -34,6 +34,8 @@ fn answer() -> Value {
         "warnings": "anything",
         "base": "anything",
         "lateness_s": "anything",
+        "holding": "anything",
+        "lasting_gains": "anything",
         "by_reference": "anything",
         "findings": [{
             "effect": "string", "axis": "anything", "where": "string",

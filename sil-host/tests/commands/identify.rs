@@ -1,5 +1,7 @@
 //! `sil identify`, and what a diagnosis without a model does with a foreign log.
 
+use sil_host::sensors::random::RandomStream;
+
 use crate::sil::{Folder, GENERIC_FREE_MODEL};
 
 /// A free flight of the quick model, as somebody else would log it.
@@ -51,6 +53,60 @@ fn a_foreign_flight_is_identified_and_its_model_serves_the_other_commands() {
     let gimbal = [&["diagnose", "--quick"], &map[..], &["--rig", "gimbal"]].concat();
     let told = folder.sil(&gimbal).assert_done().stdout;
     assert!(told.starts_with("MISMATCH: the log is of a free flight (by its accelerometer"), "{told}");
+}
+
+/// 40 s of four motors that hold a vehicle against a moment of 15 rad/s^2 about roll, which is remembered for 0.3 s,
+/// and of a hundredth of that about pitch. Commands turn it at 300 rad/s^2, 20 ms late.
+fn flight_in_its_own_wake(folder: &Folder) {
+    let mut random = RandomStream::new(3, "wake");
+    let names = "time_s,roll_rad,pitch_rad,p_rad_s,q_rad_s,motor1,motor2,motor3,motor4";
+    let mut text = format!("# free flight\n{names}\n");
+    let [mut angle, mut rate, mut integral, mut wake, mut followed, mut wanted] = [[0.0f64; 2]; 6];
+    for row in 0..8000 {
+        if row % 100 == 0 {
+            wanted = [0.7 * random.normal(), 0.035 * random.normal()];
+        }
+        let [p, q] = rate.map(|rate| rate + 2e-3 * random.normal());
+        let [phi, theta] = angle.map(|angle| angle + 5e-4 * random.normal());
+        let mut command = [0.0; 2];
+        for (axis, seen) in [p, q].into_iter().enumerate() {
+            let error = wanted[axis] - 2.0 * angle[axis] - seen;
+            integral[axis] += 0.005 * error;
+            command[axis] = ((14.0 * error + 60.0 * integral[axis]) / 300.0).clamp(-0.45, 0.45);
+        }
+        let [roll, pitch] = command;
+        let [a, b, c, d] = [-roll + pitch, roll - pitch, roll + pitch, -roll - pitch].map(|of| 0.5 + 0.5 * of);
+        let time_s = f64::from(row) * 0.005;
+        text += &format!("{time_s:.3},{phi:.6},{theta:.6},{p:.6},{q:.6},{a:.6},{b:.6},{c:.6},{d:.6}\n");
+        for _ in 0..20 {
+            for axis in 0..2 {
+                let kick = [15.0, 0.15][axis] * (2.0f64 * 2.5e-4 / 0.3).sqrt() * random.normal();
+                wake[axis] += kick - 2.5e-4 / 0.3 * wake[axis];
+                followed[axis] += 2.5e-4 / 0.02 * (command[axis] - followed[axis]);
+                rate[axis] += 2.5e-4 * (300.0 * followed[axis] + wake[axis]);
+                angle[axis] += 2.5e-4 * rate[axis];
+            }
+        }
+    }
+    folder.write("wake.csv", text);
+}
+
+#[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
+fn a_flight_in_its_own_wake_gives_its_axes() {
+    let folder = Folder::new();
+    flight_in_its_own_wake(&folder);
+    folder.sil(&["identify", "wake.csv", "-o", "axes.toml", "--json", "axes.json"]).assert_done();
+    let toml = String::from_utf8(folder.bytes("axes.toml")).unwrap();
+    assert!(toml.starts_with("# no vehicle could be identified: ") && toml.contains("rig = \"axis\""), "{toml}");
+    let answer = folder.json("axes.json");
+    for name in ["roll_input_gain", "pitch_input_gain"] {
+        let number = answer["numbers"].as_array().unwrap().iter().find(|number| number["name"] == name).unwrap();
+        let [value, std] = ["value", "std"].map(|of| number["own"][of].as_f64().unwrap());
+        assert!((value - 300.0).abs() < 3.5 * std && std < 60.0, "{number}");
+    }
+    // what only a vehicle has is refused, with the reason
+    folder.sil(&["identify", "wake.csv", "--known", "mass_kg=1"]).assert_refused(&["wake.csv", "Wanted"]);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use shared_control::airframe::{MOTORS, TORQUE_SIGNS};
 use shared_control::config::{Controller, Tuning};
 use sil_host::control_setup::vehicle_parameters;
 use sil_host::controller_file::ControllerChoice;
-use sil_host::diagnosis::{BaseTerm, Difference, Estimate, Fact};
+use sil_host::diagnosis::{BaseTerm, Difference, Estimate, Fact, Holding, LastingGain};
 use sil_host::effects::{Effect, Origin};
 use sil_host::flight::FlightSetup;
 use sil_host::hitl::{HitlFlight, Timing};
@@ -281,6 +281,10 @@ fn pages_describe_the_json_of_a_diagnosis() {
     let term = BaseTerm { effect: "thrust_scale", axis: None, parameters, ordinary: true, extension: None };
     answer["base"] = serde_json::to_value([term]).unwrap();
     answer["lateness_s"] = serde_json::to_value(Estimate { value: 0.02, std: 0.001 }).unwrap();
+    let holding = Holding { axis: "roll", std_rad_s2: 64.0, memory_s: 0.3 };
+    answer["holding"] = serde_json::to_value([holding]).unwrap();
+    let lasting = LastingGain { axis: "roll", gain_rad_s2: 300.0, std_rad_s2: 20.0 };
+    answer["lasting_gains"] = serde_json::to_value([lasting]).unwrap();
     answer["known"] = serde_json::to_value([Fact { name: "mass_kg", value: 1.0, std: 0.0 }]).unwrap();
     assert_described("diagnose", &answer);
 }

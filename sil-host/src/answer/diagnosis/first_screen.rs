@@ -31,6 +31,9 @@ pub fn headline(answer: &Diagnosis) -> String {
         (Verdict::NotAModel, _) => "No model was found of the vehicle that flew".to_owned(),
         (Verdict::NotShown, _) => "The log does not show what this vehicle's commands do".to_owned(),
         (_, Some(first)) => format!("{}{others}", doubted(first)),
+        (Verdict::UnknownEffect, None) if !answer.holding.is_empty() => {
+            "What the commands do is known, and something that no log shows moves the vehicle too".to_owned()
+        }
         (Verdict::NoDiscrepancy, None) => "The simulation agrees with this log".to_owned(),
         (_, None) => {
             let axis = shown(answer).and_then(|(error, _)| axis_of(error.quantity));
@@ -61,10 +64,13 @@ pub fn lead(log: &Log, answer: &Diagnosis) -> Vec<String> {
     });
     let advice = match answer.verdict {
         Verdict::NotAModel => Some(WITHOUT_A_MODEL.to_owned()),
-        Verdict::NotShown => Some(super::page::headline(Verdict::NotShown).to_owned()),
+        Verdict::NotShown => Some(super::page::headline(answer).to_owned()),
         _ => None,
     };
-    improvement(answer).into_iter().chain(at_limit).chain(advice).collect()
+    // open loop says nothing of a model whose commands hold against a disturbance
+    let improvement = improvement(answer).filter(|_| answer.holding.is_empty());
+    let holds = answer.warnings.last().filter(|_| !answer.holding.is_empty()).cloned();
+    improvement.into_iter().chain(holds).chain(at_limit).chain(advice).collect()
 }
 
 /// How much better the model predicts, in the channel that is shown.
@@ -131,6 +137,9 @@ pub(crate) fn card(answer: &Diagnosis) -> Card {
         Verdict::NoDiscrepancy => (Tone::Good, "No discrepancy: nothing but noise remains"),
         Verdict::Explained => (Tone::Good, "Explained: nothing but noise remains"),
         Verdict::PartlyExplained => (Tone::Doubtful, "Partly explained: something else is wrong too"),
+        Verdict::UnknownEffect if !answer.holding.is_empty() => {
+            (Tone::Doubtful, "Commands known; what else moves the vehicle is in no log")
+        }
         Verdict::UnknownEffect => (Tone::Bad, "Not explained by any known effect"),
         Verdict::NotAModel => (Tone::Bad, "Not a model: no better than the mean of the measurements"),
         Verdict::NotShown => (Tone::Doubtful, "Not shown: what the commands do"),

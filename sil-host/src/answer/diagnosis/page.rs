@@ -2,7 +2,7 @@
 //! after, what was rejected.
 
 use crate::diagnosis::{
-    BaseTerm, ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Fact, Finding, PredictionErrors, Verdict,
+    BaseTerm, ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Fact, Finding, Holding, PredictionErrors, Verdict,
 };
 use crate::log::Log;
 use crate::prediction::ChannelErrors;
@@ -31,11 +31,14 @@ pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
 }
 
 /// The verdict in a sentence, on the terminal; where effects are named, they follow.
-pub fn headline(verdict: Verdict) -> &'static str {
-    match verdict {
+pub fn headline(answer: &Diagnosis) -> &'static str {
+    match answer.verdict {
         Verdict::NoDiscrepancy => "The simulation agrees with this log: nothing but noise remains.",
         Verdict::Explained => "What the simulation gets wrong in this log (nothing but noise remains):",
         Verdict::PartlyExplained => "What the simulation gets wrong in this log (something else remains unexplained):",
+        Verdict::UnknownEffect if !answer.holding.is_empty() => {
+            "What the commands do is known; beside them something that no log shows moves this vehicle."
+        }
         Verdict::UnknownEffect => {
             "The simulation gets something wrong in this log that no effect of the catalogue explains."
         }
@@ -109,7 +112,10 @@ fn base_model(answer: &Diagnosis) -> Option<Section> {
     let terms = answer.base.iter().map(base_text);
     let together = answer.lateness_s.map(|together| format!("lag and delay together: {together} s"));
     let by_reference = answer.by_reference.iter().map(|of| format!("input gain of {of} alone"));
-    let listed = || section.list(terms.chain(together).chain(by_reference).map(|line| on_a_page(&line)));
+    let lasting = answer.lasting_gains.iter().map(|of| format!("input gain of {of} if what disturbs lasts"));
+    let holding = answer.holding.iter().map(Holding::to_string);
+    let lines = terms.chain(together).chain(by_reference).chain(lasting).chain(holding);
+    let listed = || section.list(lines.map(|line| on_a_page(&line)));
     (!answer.base.is_empty()).then(|| answer.warnings.iter().fold(listed(), Section::warning))
 }
 

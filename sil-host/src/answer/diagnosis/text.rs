@@ -29,7 +29,7 @@ pub fn answer_text(log: &Log, answer: &Diagnosis, emphasised: Emphasis) -> Strin
 
 /// What was found, and how much better the model predicts with it.
 pub fn verdict_text(answer: &Diagnosis, emphasised: Emphasis) -> String {
-    let mut text = format!("\n{}\n", emphasised(headline(answer.verdict)));
+    let mut text = format!("\n{}\n", emphasised(headline(answer)));
     if !answer.verdict.has_a_model() && !answer.findings.is_empty() {
         text.push_str("  the best of what was tried, not a cause:\n");
     }
@@ -52,6 +52,9 @@ pub fn verdict_text(answer: &Diagnosis, emphasised: Emphasis) -> String {
         text.extend(answer.base.iter().map(|term| format!("    {}\n", base_text(term))));
         text.extend(answer.lateness_s.map(|together| format!("    lag and delay together: {together} s\n")));
         text.extend(answer.by_reference.iter().map(|of| format!("    input gain of {of} alone\n")));
+        let lasting = answer.lasting_gains.iter();
+        text.extend(lasting.map(|of| format!("    input gain of {of} if what disturbs lasts\n")));
+        text.extend(answer.holding.iter().map(|of| format!("    {of}\n")));
         text.extend(answer.warnings.iter().map(|sentence| format!("    {sentence}\n")));
     }
     let of_controller =

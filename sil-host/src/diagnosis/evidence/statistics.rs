@@ -40,7 +40,8 @@ pub struct ChannelStatistics {
     /// %: what there is to be had, whatever the vehicle is. None where the channel has no command.
     pub commands_fit_pct: Option<f64>,
     /// True if it moves because of its commands, so that a model could show what it knows: that response or the model
-    /// with the findings fits it by 20 % or more, and misses a fifth less than who knows no commands.
+    /// with the findings fits it by 20 % or more, and misses a fifth less than who knows no commands. False where its
+    /// commands hold against a disturbance.
     pub excited: bool,
     /// By the model without any effect.
     pub nominal: ModelStatistics,
@@ -90,7 +91,9 @@ pub(in crate::diagnosis) fn statistics(
         let commands_fit_pct = commanded.map(|commanded| commanded.fit_pct);
         let best_pct = commands_fit_pct.into_iter().chain(extended.agreement.fit_pct).fold(f64::MIN, f64::max);
         let is_beyond = |start: Commanded| 100.0 - best_pct <= (1.0 - BEYOND_START_MIN) * (100.0 - start.held_pct);
-        let excited = moved && best_pct >= COMMANDED_MIN_PCT && commanded.is_none_or(is_beyond);
+        // commands that hold against a disturbance are no cause that a prediction open loop could show
+        let holds = channel.turning_axis().is_some_and(|axis| shooting.lasting_about(axis).is_some());
+        let excited = moved && !holds && best_pct >= COMMANDED_MIN_PCT && commanded.is_none_or(is_beyond);
         let (quantity, unit) = (channel.name(), channel.unit());
         Some(ChannelStatistics { quantity, unit, moved, commands_fit_pct, excited, nominal, base, extended })
     };

@@ -1,6 +1,7 @@
 //! What a reader of the numbers must know before he uses them, a sentence each.
 
 use super::horizons::Horizon;
+use crate::diagnosis::Holding;
 use crate::diagnosis::base::BaseTerm;
 use crate::prediction::WINDOW_S;
 
@@ -11,8 +12,26 @@ const HARM_FROM: f64 = 0.1;
 const REVERSED_FROM: f64 = 3.0;
 
 /// Of a base model's numbers, of those that are denied, in words, and of what they predict.
-pub(in crate::diagnosis) fn warnings(base: &[BaseTerm], denied: &[String], horizons: &[Horizon]) -> Vec<String> {
-    base.iter().filter_map(reversed).chain(held(denied)).chain(harm(base, horizons)).collect()
+pub(in crate::diagnosis) fn warnings(
+    base: &[BaseTerm],
+    denied: &[String],
+    holding: &[Holding],
+    horizons: &[Horizon],
+) -> Vec<String> {
+    let harm = if holding.is_empty() { harm(base, horizons) } else { holds(holding) };
+    base.iter().filter_map(reversed).chain(held(denied)).chain(harm).collect()
+}
+
+/// What commands hold against.
+fn holds(holding: &[Holding]) -> Option<String> {
+    let axes: Vec<&str> = holding.iter().map(|of| of.axis).collect();
+    Some(format!(
+        "Something that no log shows (wind, the propellers' own wake) moves this vehicle about {}, and the commands \
+         hold against it. The base model is fitted with that in mind. Replayed open loop the commands answer what the \
+         replay does not have: a model that knows what they do then misses more than one that does not, and how much \
+         it misses is no test of it.",
+        axes.join(", ")
+    ))
 }
 
 /// Gains that are a controller's answer to disturbances.
@@ -20,8 +39,8 @@ fn held(denied: &[String]) -> Option<String> {
     (!denied.is_empty()).then(|| {
         format!(
             "What follows from what the controller was told shows another input gain than all motion together, {}: \
-             most of the commands hold against something that no log shows (wind, the propellers' own wake), and a fit \
-             to all of them takes the gain for too small. The former is to be relied on, and nothing else that was \
+             most of the commands hold against something that no log shows (wind, the propellers' own wake), and \
+             mislead a fit to all of them. The former is to be relied on, and nothing else that was \
              fitted here is.",
             denied.join("; ")
         )
@@ -75,9 +94,9 @@ mod tests {
             extension: None,
         };
         let said =
-            warnings(&[gain("roll", 90.0, 2.0), gain("pitch", -90.0, 40.0), gain("yaw", -111.0, 36.0)], &[], &[]);
+            warnings(&[gain("roll", 90.0, 2.0), gain("pitch", -90.0, 40.0), gain("yaw", -111.0, 36.0)], &[], &[], &[]);
         assert!(said.len() == 1 && said[0].contains("of yaw is negative (-111 +- 36)"), "{said:?}");
         let bias = BaseTerm { effect: "torque_bias", ..gain("roll", -90.0, 2.0) };
-        assert_eq!(warnings(&[bias], &[], &[]), Vec::<String>::new());
+        assert_eq!(warnings(&[bias], &[], &[], &[]), Vec::<String>::new());
     }
 }

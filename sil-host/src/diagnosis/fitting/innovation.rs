@@ -7,7 +7,7 @@
 use crate::axis::Axis;
 use crate::diagnosis::fitting::axis_filter::{AxisNoise, passage};
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
-use crate::diagnosis::fitting::process_noise::{AxisWindow, most_likely, unlikeliness};
+use crate::diagnosis::fitting::process_noise::{AxisWindow, Disturbance, most_likely, unlikeliness};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::Window;
 use crate::prediction::body::State;
@@ -59,8 +59,13 @@ impl Shooting<'_> {
         driven: &Driven,
         which: &[usize],
         starts: &[State],
+        may_be: Disturbance,
     ) -> [AxisNoise; 3] {
-        self.axis_windows(driven, which, starts).map(|windows| most_likely(&windows, AxisNoise::SENSORS.lost))
+        // about yaw a vehicle also turns while its rotors gain speed, at once and by more than their drag does later:
+        // with all that is slow left to a disturbance that would pass for what the command does
+        let may_be = [may_be, may_be, Disturbance::White];
+        let axes = self.axis_windows(driven, which, starts);
+        [0, 1, 2].map(|axis| most_likely(&axes[axis], AxisNoise::SENSORS.lost, may_be[axis]))
     }
 
     /// Twice the negative logarithm of the likelihood of what a model leaves of some windows, start states quite free,
@@ -94,7 +99,7 @@ impl Shooting<'_> {
     ) -> f64 {
         let of_axis = |windows: &Vec<AxisWindow<'_>>| -> f64 {
             // a disturbance can stand in for lost commands, but not the other way round
-            let disturbed = most_likely(windows, 0.0);
+            let disturbed = most_likely(windows, 0.0, Disturbance::White);
             let under = |share: &f64| -> f64 {
                 let noise = AxisNoise { lost: *share, ..disturbed };
                 windows.iter().map(|window| unlikeliness(window, &noise)).sum()

@@ -14,18 +14,32 @@
 
 use rayon::prelude::*;
 
-use crate::diagnosis::fitting::axis_filter::{AxisFilter, AxisNoise, Passage};
+use crate::diagnosis::fitting::axis_filter::{AxisFilter, AxisNoise, Lasting, Passage};
 use crate::prediction::restoring::Restoring;
 use crate::prediction::windowed_log::Residuals;
 use crate::statistics::dot;
 
-/// Strengths that are tried: none, and white ones a factor of two apart.
+/// White strengths that are tried: none, and so many a factor of two apart.
 const STRENGTHS: usize = 18;
 /// Exponent of the weakest, less one.
 const WEAKEST: i32 = -11;
 const SENSORS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-/// Where the search for the likeliest begins.
+/// Standard deviations of a lasting disturbance: none, and so many a factor of the root of two apart, half the exponent
+/// of the least, less one; and how long it is remembered, s. That it is, and how strong its changes are, decides what
+/// commands seem to do; what is remembered for less is counted as slower than it is, which costs information only.
+const LASTING: usize = 30;
+const LEAST: i32 = -9;
+const MEMORY_S: f64 = 1.0;
+/// Where the search for the likeliest begins: white and sensors', then with a lasting one beside the best of these.
 const COARSE: ([usize; 6], [usize; 3]) = ([0, 2, 6, 10, 14, 17], [0, 2, 4]);
+const COARSE_LASTING: [usize; 8] = [2, 6, 10, 14, 18, 22, 26, 29];
+/// A lasting disturbance must make a log so much less unlikely, by twice the logarithm: one more number is surely worth
+/// it then (a chance of 1 in 100,000 by chi squared).
+const LASTING_PAYS: f64 = 20.0;
+
+/// A place in the grid of white strengths, sensors and lasting strengths.
+type Place = [usize; 3];
+const PLACES: Place = [STRENGTHS, SENSORS.len(), LASTING];
 
 /// One window of an axis, with the channels that show it: residuals, and slopes along the start state.
 pub(in crate::diagnosis) struct AxisWindow<'a> {
@@ -35,39 +49,78 @@ pub(in crate::diagnosis) struct AxisWindow<'a> {
     pub(in crate::diagnosis) slopes: Vec<Residuals>,
 }
 
-/// The noise under which what a model leaves of an axis is most likely, if that share counts of what lost commands
-/// leave unknown: of a coarse grid the best, and from there to the best neighbour until none is better.
-pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>], lost: f64) -> AxisNoise {
-    let noise = |(strength, sensors): (usize, usize)| AxisNoise {
-        acceleration: if strength == 0 { 0.0 } else { libm::exp2(f64::from(WEAKEST) + strength as f64) },
-        sensors: SENSORS[sensors],
-        lost,
-    };
-    let judged = |at: (usize, usize)| {
-        let noise = noise(at);
-        (at, windows.iter().map(|window| unlikeliness(window, &noise)).sum::<f64>())
-    };
-    let mut tried: Vec<((usize, usize), f64)> = Vec::new();
-    let mut next: Vec<(usize, usize)> =
-        COARSE.1.into_iter().flat_map(|sensors| COARSE.0.map(|strength| (strength, sensors))).collect();
-    let mut best = (0, 0);
-    // each round tries at least one more, and there are only so many
-    while !next.is_empty() {
-        tried.extend(next.par_iter().map(|at| judged(*at)).collect::<Vec<_>>());
-        best = tried.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(best, |(at, _)| *at);
-        next = neighbours(best).into_iter().filter(|at| tried.iter().all(|(known, _)| known != at)).collect();
-    }
-    noise(best)
+/// What a disturbance may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::diagnosis) enum Disturbance {
+    /// White.
+    White,
+    /// White, and one that lasts beside it.
+    Lasting,
 }
 
-/// The places beside one in the grid of strengths and sensors.
-fn neighbours((strength, sensors): (usize, usize)) -> Vec<(usize, usize)> {
-    let strengths = strength.saturating_sub(1)..=(strength + 1).min(STRENGTHS - 1);
-    strengths
-        .flat_map(|strength| {
-            (sensors.saturating_sub(1)..=(sensors + 1).min(SENSORS.len() - 1)).map(move |sensors| (strength, sensors))
-        })
-        .collect()
+/// The noise under which what a model leaves of an axis is most likely, if that share counts of what lost commands
+/// leave unknown: of a coarse grid the best, and from there to the best neighbour until none is better; first without
+/// anything that lasts.
+pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>], lost: f64, may_be: Disturbance) -> AxisNoise {
+    let judged = |at: &Place| (*at, windows.iter().map(|window| unlikeliness(window, &noise(at, lost))).sum::<f64>());
+    let coarse = COARSE.1.into_iter().flat_map(|sensors| COARSE.0.map(|strength| [strength, sensors, 0]));
+    let white = likeliest(coarse.collect(), &judged, 2);
+    if may_be == Disturbance::White {
+        return noise(&white.0, lost);
+    }
+    let [strength, sensors, ..] = white.0;
+    let weaker = [0, 3, 6].map(|by| strength.saturating_sub(by));
+    let beside = COARSE_LASTING.into_iter().flat_map(|lasting| weaker.map(|strength| [strength, sensors, lasting]));
+    let lasting = likeliest(beside.collect(), &judged, 3);
+    noise(if white.1 - lasting.1 > LASTING_PAYS { &lasting.0 } else { &white.0 }, lost)
+}
+
+fn noise([strength, sensors, lasting]: &Place, lost: f64) -> AxisNoise {
+    let power = |exponent: i32, of: usize| if of == 0 { 0.0 } else { libm::exp2(f64::from(exponent) + of as f64) };
+    AxisNoise {
+        acceleration: power(WEAKEST, *strength),
+        lasting: match lasting {
+            0 => Lasting::NONE,
+            _ => Lasting { std_rad_s2: power(LEAST, *lasting).sqrt(), memory_s: MEMORY_S },
+        },
+        sensors: SENSORS[*sensors],
+        lost,
+    }
+}
+
+/// From the best of some places on to the best neighbour along the first dimensions of the grid, until none is better.
+fn likeliest(
+    mut next: Vec<Place>,
+    judged: &(impl Fn(&Place) -> (Place, f64) + Sync),
+    dimensions: usize,
+) -> (Place, f64) {
+    let mut tried: Vec<(Place, f64)> = Vec::new();
+    let mut best = ([0; 3], f64::INFINITY);
+    // each round tries at least one more, and there are only so many
+    while !next.is_empty() {
+        tried.extend(next.par_iter().map(judged).collect::<Vec<_>>());
+        best = tried.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(best);
+        next = neighbours(&best.0, dimensions);
+        next.retain(|at| tried.iter().all(|(known, _)| known != at));
+    }
+    best
+}
+
+/// The places beside one: a step along one dimension, or along two at once.
+fn neighbours(at: &Place, dimensions: usize) -> Vec<Place> {
+    let step = |at: &Place, along: usize, up: bool| -> Option<Place> {
+        let mut next = *at;
+        next[along] = if up { at[along] + 1 } else { at[along].checked_sub(1)? };
+        (next[along] < PLACES[along]).then_some(next)
+    };
+    let steps = (0..dimensions).flat_map(|along| [(along, false), (along, true)]);
+    let mut all: Vec<Place> = Vec::new();
+    for (along, up) in steps.clone() {
+        let Some(one) = step(at, along, up) else { continue };
+        all.push(one);
+        all.extend(steps.clone().filter(|(other, _)| *other > along).filter_map(|(other, up)| step(&one, other, up)));
+    }
+    all
 }
 
 /// Twice the negative logarithm of a window's likelihood, its start state quite free, up to a constant.
@@ -105,10 +158,11 @@ mod tests {
     const RATE: [f64; 2] = [0.0, 1.0 / 5e-3];
     const STEP_S: f64 = 0.004;
 
-    /// What is seen of a double integrator under white acceleration, in units of the sensors' noise.
-    fn seen(acceleration: f64, sensors: f64, rows: usize, seed: u64) -> (Vec<f64>, Residuals) {
+    /// What is seen of a double integrator under white acceleration and a lasting one, in units of the sensors' noise.
+    fn seen_under(noise: &AxisNoise, rows: usize, seed: u64) -> (Vec<f64>, Residuals) {
+        let AxisNoise { acceleration, sensors, lasting, .. } = *noise;
         let mut random = RandomStream::new(seed, "disturbed");
-        let (mut x, mut v) = (0.0, 0.0);
+        let (mut x, mut v, mut lasts) = (0.0, 0.0, lasting.std_rad_s2 * random.normal());
         let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
         for row in 0..rows {
             times.push(row as f64 * STEP_S);
@@ -116,12 +170,18 @@ mod tests {
             rates.push(v / 5e-3 + sensors * random.normal());
             for _ in 0..8 {
                 let step_s = STEP_S / 8.0;
-                let kick = acceleration * step_s.sqrt() * random.normal();
+                let kick = acceleration * step_s.sqrt() * random.normal() + lasts * step_s;
                 x += step_s * (v + 0.5 * kick);
                 v += kick;
+                let kept = libm::exp(-step_s / lasting.memory_s);
+                lasts = kept * lasts + lasting.std_rad_s2 * (1.0 - kept * kept).sqrt() * random.normal();
             }
         }
         (times, [angles, rates].concat())
+    }
+
+    fn seen(acceleration: f64, sensors: f64, rows: usize, seed: u64) -> (Vec<f64>, Residuals) {
+        seen_under(&AxisNoise { acceleration, sensors, ..AxisNoise::SENSORS }, rows, seed)
     }
 
     fn passage<'a>(time_s: &'a [f64], seen: &[(usize, [f64; 2])]) -> Passage<'a> {
@@ -130,9 +190,14 @@ mod tests {
 
     #[test]
     fn innovations_are_white_and_of_unit_variance() {
-        let noise = AxisNoise { acceleration: 0.5, sensors: 2.0, lost: 1.0 };
-        let (times, mut channels) = seen(0.5, 2.0, 4000, 1);
-        AxisFilter::new(&passage(&times, &[(0, ANGLE), (1, RATE)]), &noise)
+        let white = AxisNoise { acceleration: 0.5, sensors: 2.0, ..AxisNoise::SENSORS };
+        are_white_under(&white);
+        are_white_under(&AxisNoise { lasting: Lasting { std_rad_s2: 8.0, memory_s: 0.3 }, ..white });
+    }
+
+    fn are_white_under(noise: &AxisNoise) {
+        let (times, mut channels) = seen_under(noise, 4000, 1);
+        AxisFilter::new(&passage(&times, &[(0, ANGLE), (1, RATE)]), noise)
             .innovate(&mut channels, &Restoring::default());
         let (angle, rate) = channels.split_at(4000);
         for channel in [angle, rate] {
@@ -170,21 +235,34 @@ mod tests {
         assert_eq!(by_noise, by_lost);
     }
 
+    /// The noise that is found in windows of half a second under some noise.
+    fn found(noise: &AxisNoise) -> AxisNoise {
+        let made: Vec<_> = (0..20).map(|seed| seen_under(noise, 125, seed)).collect();
+        let of = |(times, residual): &'_ (Vec<f64>, Residuals)| {
+            let ones = [vec![1.0 / 1e-3; 125], vec![0.0; 125]].concat();
+            let ramp = [times.iter().map(|time_s| time_s / 1e-3).collect(), vec![1.0 / 5e-3; 125]].concat();
+            (residual.clone(), vec![ones, ramp])
+        };
+        let windows: Vec<AxisWindow<'_>> = made
+            .iter()
+            .map(|made| {
+                let (residual, slopes) = of(made);
+                let passage = passage(&made.0, &[(0, ANGLE), (1, RATE)]);
+                AxisWindow { passage, restoring: Restoring::default(), residual, slopes }
+            })
+            .collect();
+        most_likely(&windows, 1.0, Disturbance::Lasting)
+    }
+
     #[test]
     fn the_strength_of_a_disturbance_is_read_off_what_is_left() {
         for (acceleration, sensors) in [(0.0, 1.0), (0.5, 1.0), (0.0625, 4.0)] {
-            let made: Vec<_> = (0..20).map(|seed| seen(acceleration, sensors, 125, seed)).collect();
-            let windows: Vec<AxisWindow<'_>> = made
-                .iter()
-                .map(|(times, residual)| {
-                    let ones = [vec![1.0 / 1e-3; 125], vec![0.0; 125]].concat();
-                    let ramp = [times.iter().map(|time_s| time_s / 1e-3).collect(), vec![1.0 / 5e-3; 125]].concat();
-                    let passage = passage(times, &[(0, ANGLE), (1, RATE)]);
-                    let restoring = Restoring::default();
-                    AxisWindow { passage, restoring, residual: residual.clone(), slopes: vec![ones, ramp] }
-                })
-                .collect();
-            assert_eq!(most_likely(&windows, 1.0), AxisNoise { acceleration, sensors, lost: 1.0 });
+            let noise = AxisNoise { acceleration, sensors, ..AxisNoise::SENSORS };
+            assert_eq!(found(&noise), noise);
         }
+        // of what lasts twenty windows show the strength to the next place of the grid or so
+        let lasting = Lasting { std_rad_s2: 8.0, memory_s: MEMORY_S };
+        let AxisNoise { lasting, sensors, .. } = found(&AxisNoise { lasting, ..AxisNoise::SENSORS });
+        assert!((5.0..12.0).contains(&lasting.std_rad_s2) && sensors == 1.0, "{lasting:?} {sensors}");
     }
 }

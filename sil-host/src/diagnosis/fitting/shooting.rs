@@ -11,7 +11,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::axis::Axis;
-use crate::diagnosis::fitting::axis_filter::{AxisFilter, AxisNoise, filters};
+use crate::diagnosis::fitting::axis_filter::{AxisFilter, AxisNoise, Lasting, filters, lasting};
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
 use crate::diagnosis::fitting::linearisation::{Linearisation, StartSlopes, WindowLinear, slopes, turned};
 use crate::prediction::body::State;
@@ -40,6 +40,22 @@ impl<'a> Shooting<'a> {
     /// The same, with more noise than the sensors': of moments, and of forces.
     pub(in crate::diagnosis) fn with_noise(self, noise: [AxisNoise; 3], carried: Vec<CarriedNoise>) -> Shooting<'a> {
         Shooting { filters: filters(&self.log, &noise), noise, carried, ..self }
+    }
+
+    /// What makes innovations of a window and of the rows that show its start, about axes under a disturbance that
+    /// lasts.
+    pub(in crate::diagnosis) fn lasting(&self, window: &Window) -> Vec<(Axis, AxisFilter)> {
+        lasting(&self.log, &self.noise, window)
+    }
+
+    /// The disturbance that lasts about an axis; none where none does.
+    pub(in crate::diagnosis) fn lasting_about(&self, axis: Axis) -> Option<Lasting> {
+        Some(self.noise[axis.index()].lasting).filter(|lasting| lasting.std_rad_s2 > 0.0)
+    }
+
+    /// Does one last about any axis?
+    pub(in crate::diagnosis) fn is_disturbed(&self) -> bool {
+        Axis::ALL.into_iter().any(|axis| self.lasting_about(axis).is_some())
     }
 
     /// Innovations of one of the log's windows: residuals as least squares take them.

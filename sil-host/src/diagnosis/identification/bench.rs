@@ -8,6 +8,7 @@ use crate::diagnosis::base;
 use crate::diagnosis::estimate::Estimate;
 use crate::diagnosis::fitted::per_unit_inertia;
 use crate::diagnosis::fitting::fit::{Term, as_terms};
+use crate::diagnosis::holding;
 use crate::diagnosis::lateness::{count_lateness, together_s};
 use crate::diagnosis::progress::{Observer, Progress};
 use crate::diagnosis::search::Search;
@@ -54,9 +55,21 @@ pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<Be
     let (shooting, in_sensors) = base::disturbed(log, &subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &second);
     let base = base::fitted(&search, &ordinary, Some(&in_sensors)).fit;
+    let lasting = holding::in_lasting_noise(log, &subject, &search, &ordinary, &base)?;
+    let (search, base) = match &lasting {
+        Some(lasting) if lasting.denies => {
+            let search = Search::new(&lasting.shooting, &nominal, &[], as_terms(&along), &second);
+            let base = base::fitted(&search, &ordinary, Some(&lasting.numbers)).fit;
+            (search, base)
+        }
+        _ => (search, base),
+    };
     let search = search.from(&base, &[]);
     let fit = search.refitted(base.terms, &base.starts);
+    // open loop says nothing of an axis whose commands hold against a disturbance: how sure its gain is must do
+    let holds = Axis::ALL.map(|axis| search.shooting.lasting_about(axis).is_some());
     let seen = seen::axes(&search, &fit);
+    let seen = [0, 1, 2].map(|axis| seen[axis] || holds[axis]);
     let mut model = BenchModel { name: super::name_of(log), ..BenchModel::default() };
     let mut numbers = Vec::new();
     for (index, term) in fit.terms.iter().enumerate() {

@@ -10,6 +10,7 @@ use crate::diagnosis::base;
 use crate::diagnosis::extension::model_with_terms;
 use crate::diagnosis::fitted::{Fitted, LAG_AND_DELAY_S};
 use crate::diagnosis::fitting::fit::Term;
+use crate::diagnosis::fitting::process_noise::Disturbance;
 use crate::diagnosis::fitting::sampling::Sampled;
 use crate::diagnosis::progress::{Observer, Progress};
 use crate::diagnosis::search::Search;
@@ -107,7 +108,7 @@ pub(super) fn fine(
     let sampled = Sampled::new(log, &subject, None)?;
     let (search, found) = sampled.nominal(|shooting| Search::new(shooting, &nominal, &[], terms(), &|_| ()));
     are_done(1);
-    let shooting = base::in_noise_of(log, &subject, &search, &found.fit)?;
+    let shooting = base::in_noise_of(log, &subject, &search, &found.fit, Disturbance::White)?;
     are_done(2);
     let search = Search::new(&shooting, &nominal, &[], terms(), &|_| ());
     let fit = search.refitted(found.fit.terms, &found.fit.starts);

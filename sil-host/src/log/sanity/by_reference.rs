@@ -65,12 +65,19 @@ pub struct ByReference {
 }
 
 impl ByReference {
-    /// Is a gain of the axis surely too small, or of the wrong sign? So is one that was fitted to whatever a controller
-    /// held against.
+    /// Is a gain of the axis surely another one, or of the wrong sign? Too small is one that was fitted to whatever a
+    /// controller held against.
     pub fn denies(&self, gain_rad_s2: f64, std_rad_s2: f64) -> bool {
-        let (own, other) = (self.gain_rad_s2.abs(), self.gain_rad_s2.signum() * gain_rad_s2);
-        own > APART * other && own - other > APART_STDS * libm::hypot(self.std_rad_s2, std_rad_s2)
+        let (own, other) = ([self.gain_rad_s2, self.std_rad_s2], [gain_rad_s2, std_rad_s2]);
+        exceeds(own, other, [APART, APART_STDS]) || exceeds(other, own, [APART, APART_STDS])
     }
+}
+
+/// Is a gain larger than another one of the same axis by a factor, and by so many of both's standard deviations, or
+/// that one of the wrong sign?
+pub(crate) fn exceeds([gain, std]: [f64; 2], [other, other_std]: [f64; 2], [factor, by_stds]: [f64; 2]) -> bool {
+    let (own, other) = (gain.abs(), gain.signum() * other);
+    own > factor * other && own - other > by_stds * libm::hypot(std, other_std)
 }
 
 /// "pitch: 571 +- 58 rad/s^2 by the stick".
@@ -338,7 +345,7 @@ mod tests {
             // without it a regression is far off
             let alone = accelerations_per_command(&log)[1].map_or(0.0, |answer| answer.value);
             assert!(alone < 0.75 * GAIN && found.denies(0.5 * GAIN, 5.0), "seed {seed}: {alone}");
-            assert!(!found.denies(GAIN, 5.0) && !found.denies(0.8 * GAIN, 5.0));
+            assert!(!found.denies(GAIN, 5.0) && !found.denies(0.8 * GAIN, 5.0) && found.denies(2.5 * GAIN, 5.0));
         }
     }
 

@@ -36,6 +36,7 @@ mod weighing;
 
 use self::answers::Answer;
 use self::bins::Bins;
+pub(crate) use self::by_reference::exceeds;
 pub use self::by_reference::{ByReference, by_reference};
 use self::driving::Driving;
 pub(crate) use self::figures::{Figure, Figures, figures, figures_of_record};
