@@ -184,15 +184,18 @@ mod tests {
     use super::*;
     use crate::diagnosis::{Diagnosis, Verdict, diagnose};
     use crate::sensors::random::RandomStream;
+    use crate::statistics::wrapped;
 
     const GAIN: f64 = 300.0;
     const LAG_S: f64 = 0.02;
     const STEP_S: f64 = 0.005;
 
-    /// 40 s of a rate under a controller with integrator, in a disturbance that is remembered for 0.3 s.
-    fn flight(disturbance_rad_s2: f64, seed: u64) -> Log {
+    /// 40 s of a rate under a controller with integrator, in a disturbance that is remembered for 0.3 s, and of its
+    /// angle.
+    fn flight_with_angle(disturbance_rad_s2: f64, seed: u64) -> (Log, Vec<f64>) {
         let mut random = RandomStream::new(seed, "holding");
-        let [mut rate, mut integral, mut disturbance, mut wanted, mut motor] = [0.0; 5];
+        let [mut rate, mut angle, mut integral, mut disturbance, mut wanted, mut motor] = [0.0; 6];
+        let (mut angles, mut of_angle) = (Vec::new(), RandomStream::new(seed, "angle"));
         let mut log = Log { axes: [true, false, false], comments: vec!["free flight".to_owned()], ..Log::default() };
         let [mut rates, mut commands] = [const { Vec::<f64>::new() }; 2];
         for row in 0..8_000 {
@@ -205,18 +208,24 @@ mod tests {
             integral += error * STEP_S;
             let command: f64 = ((14.0 * error + 60.0 * integral) / GAIN).clamp(-1.0, 1.0);
             rates.push(seen);
+            angles.push(wrapped(angle + 5e-4 * of_angle.normal()));
             commands.push(command);
             for _ in 0..20 {
                 let step_s = STEP_S / 20.0;
                 let kept = libm::exp(-step_s / 0.3);
                 disturbance = kept * disturbance + disturbance_rad_s2 * (1.0 - kept * kept).sqrt() * random.normal();
                 motor += step_s / LAG_S * (command - motor);
+                angle += step_s * rate;
                 rate += step_s * (GAIN * motor + disturbance);
             }
         }
         log.rate_rad_s[0] = Some(rates);
         log.axis_command[0] = Some(commands);
-        log
+        (log, angles)
+    }
+
+    fn flight(disturbance_rad_s2: f64, seed: u64) -> Log {
+        flight_with_angle(disturbance_rad_s2, seed).0
     }
 
     fn number(answer: &Diagnosis, effect: &str) -> Estimate {
@@ -237,6 +246,16 @@ mod tests {
             assert!(held.axis == "roll" && (40.0..100.0).contains(&held.std_rad_s2), "seed {seed}: {held}");
             assert_eq!((answer.verdict, answer.findings.len()), (Verdict::UnknownEffect, 0), "{:?}", answer.findings);
         }
+    }
+
+    #[test]
+    fn a_predicted_angle_that_turns_over_changes_nothing() {
+        let (mut log, angles) = flight_with_angle(40.0, 0);
+        log.angle_rad[0] = Some(angles);
+        let answer = diagnose(&log, &Subject::Axes).unwrap();
+        let gain = number(&answer, "input_gain");
+        assert!((gain.value - GAIN).abs() < 3.5 * gain.std && gain.std < 0.2 * GAIN, "{gain:?}");
+        assert_eq!(answer.holding.len(), 1);
     }
 
     #[test]

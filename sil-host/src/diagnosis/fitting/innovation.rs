@@ -111,10 +111,13 @@ impl Shooting<'_> {
 
     /// What a model leaves of some windows, axis by axis.
     fn axis_windows(&self, driven: &Driven, which: &[usize], starts: &[State]) -> [Vec<AxisWindow<'_>>; 3] {
-        let left: Vec<(Residuals, Vec<Residuals>)> = which
-            .iter()
-            .map(|index| self.log.start_slopes(driven, &self.log.windows[*index], &starts[*index]))
-            .collect();
+        let left_of = |index: &usize| {
+            let window = &self.log.windows[*index];
+            let (mut residual, slopes) = self.log.start_slopes(driven, window, &starts[*index]);
+            self.unwind(window, &mut residual);
+            (residual, slopes)
+        };
+        let left: Vec<(Residuals, Vec<Residuals>)> = which.iter().map(left_of).collect();
         Axis::ALL.map(|axis| {
             let window = |(index, (residual, slopes)): (&usize, &(Residuals, Vec<Residuals>))| {
                 let window = &self.log.windows[*index];

@@ -6,6 +6,7 @@
 //! model are white, in a closed loop too: given its start the motion is a function of known commands, and a sample's
 //! noise reaches later commands only.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -61,11 +62,27 @@ impl<'a> Shooting<'a> {
     /// Innovations of one of the log's windows: residuals as least squares take them.
     pub(super) fn innovations(&self, driven: &Driven, window: &Window, start: &State) -> Residuals {
         let mut residual = self.log.residual(driven, window, start);
+        self.unwind(window, &mut residual);
         for (axis, filter) in &self.filters[window.index] {
             filter.innovate(&mut residual, &self.log.restoring(driven, window, *axis));
         }
         self.whiten(window, &mut residual);
         residual
+    }
+
+    /// An angle's residual is known but for whole turns, and changes by less than half of one from row to row. Under a
+    /// disturbance that its commands answer a prediction may be off by more before a window ends.
+    pub(super) fn unwind(&self, window: &Window, residual: &mut [f64]) {
+        let rows = window.end - window.start;
+        for (place, (channel, sigma)) in self.log.compared().enumerate() {
+            if !matches!(channel, Channel::Angle(_)) {
+                continue;
+            }
+            let (own, turn) = (&mut residual[place * rows..(place + 1) * rows], TAU / sigma);
+            for row in 1..rows {
+                own[row] -= turn * ((own[row] - own[row - 1]) / turn).round();
+            }
+        }
     }
 
     /// Innovations of some windows.
