@@ -103,7 +103,8 @@ fn a_flight_in_its_own_wake_gives_its_axes() {
     for name in ["roll_input_gain", "pitch_input_gain"] {
         let number = answer["numbers"].as_array().unwrap().iter().find(|number| number["name"] == name).unwrap();
         let [value, std] = ["value", "std"].map(|of| number["own"][of].as_f64().unwrap());
-        assert!((value - 300.0).abs() < 3.5 * std && std < 60.0, "{number}");
+        // a fit that takes the disturbance for white has less than 200; how right intervals are is tested in `holding`
+        assert!((value - 300.0).abs() < 75.0 && std < 60.0, "{number}");
     }
     // what only a vehicle has is refused, with the reason
     folder.sil(&["identify", "wake.csv", "--known", "mass_kg=1"]).assert_refused(&["wake.csv", "Wanted"]);
