@@ -113,6 +113,11 @@ pub(super) fn by_speed(scope: &Scope) -> Option<Fitted> {
 /// The numbers of a base model, term by term: what the nominal model leaves open, then what is ordinary.
 pub(super) type Numbers = Vec<Vec<f64>>;
 
+/// Those of a fit.
+pub(super) fn numbers_of(fit: &Fit<'_>) -> Numbers {
+    fit.terms.iter().map(|term| term.values.clone()).collect()
+}
+
 /// The base model of a log, in the noise of a search: what its nominal model leaves open and what is ordinary, fitted
 /// from several starts, first of all from what it was in the noise of the sensors, where that is known. Under a
 /// disturbance nothing is half as good as a model that is nearly right: from nothing at all a fit loses its way.
@@ -220,8 +225,7 @@ pub(super) fn disturbed<'l>(
     ordinary: &[Fitted],
 ) -> Result<(Shooting<'l>, Numbers), NotPredictable> {
     let fit = fitted(search, ordinary, None).fit;
-    let numbers = fit.terms.iter().map(|term| term.values.clone()).collect();
-    Ok((in_noise_of(log, subject, search, &fit, Disturbance::White)?, numbers))
+    Ok((in_noise_of(log, subject, search, &fit, Disturbance::White)?, numbers_of(&fit)))
 }
 
 /// A log in windows, in the noise of all that a model does not know.

@@ -15,7 +15,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::base::{self, Numbers};
+use super::base::{self, Numbers, numbers_of};
 use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::search::Search;
@@ -142,10 +142,6 @@ pub(super) fn in_lasting_noise<'l>(
 /// The search for a base model under a noise.
 fn under<'e>(shooting: &'e Shooting<'e>, search: &Search<'e>) -> Search<'e> {
     Search::new(shooting, search.nominal, &[], search.gains.clone(), search.observer)
-}
-
-fn numbers_of(fit: &Fit<'_>) -> Numbers {
-    fit.terms.iter().map(|term| term.values.clone()).collect()
 }
 
 /// The numbers of a base model, with those that it was relieved of at their beginning.

@@ -82,7 +82,7 @@ pub fn fact_text(fact: &Fact) -> String {
 }
 
 /// A number of the base model, and whether it is a finding too.
-pub fn base_text(term: &BaseTerm) -> String {
+fn base_text(term: &BaseTerm) -> String {
     if term.ordinary { term.to_string() } else { format!("{term} (a finding)") }
 }
 
@@ -109,14 +109,18 @@ fn base_model(answer: &Diagnosis) -> Option<Section> {
         "What is ordinary about a vehicle is fitted along with the findings: how hard it answers to commands, how \
          late, and what holds it level.",
     );
+    let listed = || section.list(base_lines(answer).map(|line| on_a_page(&line)));
+    (!answer.base.is_empty()).then(|| answer.warnings.iter().fold(listed(), Section::warning))
+}
+
+/// The base model's numbers and what stands beside them, a line each.
+pub(super) fn base_lines(answer: &Diagnosis) -> impl Iterator<Item = String> {
     let terms = answer.base.iter().map(base_text);
     let together = answer.lateness_s.map(|together| format!("lag and delay together: {together} s"));
     let by_reference = answer.by_reference.iter().map(|of| format!("input gain of {of} alone"));
     let lasting = answer.lasting_gains.iter().map(|of| format!("input gain of {of} if what disturbs lasts"));
     let holding = answer.holding.iter().map(Holding::to_string);
-    let lines = terms.chain(together).chain(by_reference).chain(lasting).chain(holding);
-    let listed = || section.list(lines.map(|line| on_a_page(&line)));
-    (!answer.base.is_empty()).then(|| answer.warnings.iter().fold(listed(), Section::warning))
+    terms.chain(together).chain(by_reference).chain(lasting).chain(holding)
 }
 
 fn causes(log: &Log, answer: &Diagnosis) -> Section {

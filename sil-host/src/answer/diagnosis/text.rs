@@ -4,7 +4,7 @@ use crate::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatisti
 use crate::log::Log;
 
 use super::evidence::what_commands_explain;
-use super::page::{base_text, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
+use super::page::{base_lines, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
 use crate::answer::Emphasis;
 use crate::answer::text_table::{TextTable, error_table, number};
 
@@ -49,13 +49,8 @@ pub fn verdict_text(answer: &Diagnosis, emphasised: Emphasis) -> String {
     }
     if !answer.base.is_empty() {
         text.push_str("  fitted along with the above (the base model):\n");
-        text.extend(answer.base.iter().map(|term| format!("    {}\n", base_text(term))));
-        text.extend(answer.lateness_s.map(|together| format!("    lag and delay together: {together} s\n")));
-        text.extend(answer.by_reference.iter().map(|of| format!("    input gain of {of} alone\n")));
-        let lasting = answer.lasting_gains.iter();
-        text.extend(lasting.map(|of| format!("    input gain of {of} if what disturbs lasts\n")));
-        text.extend(answer.holding.iter().map(|of| format!("    {of}\n")));
-        text.extend(answer.warnings.iter().map(|sentence| format!("    {sentence}\n")));
+        let lines = base_lines(answer).chain(answer.warnings.iter().cloned());
+        text.extend(lines.map(|line| format!("    {line}\n")));
     }
     let of_controller =
         |rejected: &&Rejected| rejected.effect == "controller_mismatch" && rejected.reason != NO_CONTROLLER;
