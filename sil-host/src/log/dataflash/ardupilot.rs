@@ -187,12 +187,37 @@ const FRAMES: [Frame; 9] = {
     ]
 };
 
+/// The other airframes of the parameter `FRAME_CLASS` (ArduPilot, "Complete Parameter List"), in words.
+const OTHER_CLASSES: [(f64, &str); 16] = [
+    (2.0, "a hexarotor"),
+    (3.0, "an octorotor"),
+    (4.0, "an octo-quad, two motors on each of four arms"),
+    (5.0, "a Y6, six motors on three arms"),
+    (6.0, "a helicopter"),
+    (7.0, "a tricopter"),
+    (8.0, "a single-rotor vehicle with flaps"),
+    (9.0, "a coaxial vehicle with flaps"),
+    (10.0, "a bicopter"),
+    (11.0, "a helicopter with two rotors"),
+    (12.0, "a dodeca-hexa, two motors on each of six arms"),
+    (13.0, "a helicopter with four rotors"),
+    (14.0, "a decarotor"),
+    (15.0, "motors mixed by a matrix that a script sets"),
+    (16.0, "a vehicle with six degrees of freedom whose motors a script places"),
+    (17.0, "motors mixed by a matrix that a script changes in flight"),
+];
+
 /// Which of ArduPilot's motors is which of ours.
 fn motor_order(messages: &Messages, facts: &mut Vec<Fact>, frame_turn_deg: &mut f64) -> Result<[usize; 4], String> {
     /// Quadrotor.
     const QUAD: f64 = 1.0;
     if let Some(class) = messages.parameter("FRAME_CLASS").filter(|class| *class != QUAD && *class != 0.0) {
-        return Err(format!("the vehicle is no quadrotor: its parameter FRAME_CLASS is {class}"));
+        let called = OTHER_CLASSES.iter().find(|(other, _)| *other == class).map(|(_, called)| format!(", {called}"));
+        return Err(format!(
+            "the vehicle is no quadrotor: its parameter FRAME_CLASS is {class}{}; only quadrotors are simulated, and \
+             if it is one all the same, a --map that names the fields reads it",
+            called.unwrap_or_default()
+        ));
     }
     // until 2016 one parameter was both
     let kind = ["FRAME_TYPE", "FRAME"].into_iter().find_map(|name| Some((name, messages.parameter(name)?)));

@@ -112,6 +112,18 @@ fn what_is_no_quad_x_is_refused_with_its_parameter() {
     }
 }
 
+/// ArduPilot's list of `FRAME_CLASS`, but for the quadrotor: a number alone says nothing to whoever flew it.
+#[test]
+fn another_airframe_is_refused_by_its_name() {
+    for (class, name) in [(2.0, "a hexarotor"), (6.0, "a helicopter;"), (7.0, "a tricopter"), (10.0, "a bicopter")] {
+        let message = flight(|file| file.parameter("FRAME_CLASS", class)).read().unwrap_err();
+        assert!(message.contains(&format!("parameter FRAME_CLASS is {class}, {name}")), "{message}");
+    }
+    // a later ArduPilot's, whose name nobody here knows
+    let message = flight(|file| file.parameter("FRAME_CLASS", 99.0)).read().unwrap_err();
+    assert!(message.contains("parameter FRAME_CLASS is 99; only quadrotors"), "{message}");
+}
+
 /// Right, left, front, rear: in axes between the arms front right, rear left, front left, rear right.
 #[test]
 fn a_plus_is_an_x_in_axes_between_its_arms() {
