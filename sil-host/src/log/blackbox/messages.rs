@@ -12,6 +12,7 @@ use blackbox_log::frame::{Frame, FrameDef};
 
 use super::super::messages::{Messages, Table};
 use super::super::passage::Passage;
+use super::clock;
 
 /// The first line of each log of a file.
 pub(super) const FIRST_LINE: &[u8] = b"H Product:Blackbox flight data recorder by Nicholas Sherlock\n";
@@ -165,7 +166,14 @@ fn frames(log: &[u8], messages: &mut Messages, passage: &Passage<'_>) -> Result<
     if left_out > 0 {
         messages.notes.push(format!("{left_out} frames left out: others of their group are damaged"));
     }
-    rows.into_iter().zip(is_certain).filter(|(_, is_certain)| *is_certain).for_each(|(row, _)| table.push(row));
+    let mut is_left = is_certain.into_iter();
+    rows.retain(|_| is_left.next() == Some(true));
+    let mut time_us: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    messages.notes.extend(clock::continued(&mut time_us));
+    for (mut row, time_us) in rows.into_iter().zip(time_us) {
+        row[0] = time_us;
+        table.push(row);
+    }
     Ok(table)
 }
 

@@ -1,6 +1,7 @@
 //! Blackbox logs of Betaflight, Cleanflight and INAV, read through the crate `blackbox-log`.
 
 mod betaflight;
+mod clock;
 mod messages;
 #[cfg(test)]
 pub(super) mod tests;

@@ -48,15 +48,20 @@ fn head(revision: &str, lines: &str) -> Vec<u8> {
     .into_bytes()
 }
 
-/// Its frames, 8 P frames after each I frame; where each begins.
+/// Its frames, 8 P frames after each I frame, a millisecond from each to the next.
 fn frames(count: u32) -> Vec<Vec<u8>> {
+    frames_at(count, |number| 1_000_000 + 1000 * number)
+}
+
+/// The same where the clock shows this in an I frame, us; P frames hold differences to it.
+fn frames_at(count: u32, time_us: impl Fn(u32) -> u32) -> Vec<Vec<u8>> {
     let values = |vary: i32| {
         GYRO.iter().chain(&ACCELEROMETER).chain(&ATTITUDE).chain(&OUTPUTS).chain(&[1620]).map(move |value| value + vary)
     };
     let frame = |number: u32| {
         if number.is_multiple_of(9) {
             let mut bytes = vec![b'I'];
-            bytes.extend([unsigned(32 * (number / 9)), unsigned(1_000_000 + 1000 * number)].concat());
+            bytes.extend([unsigned(32 * (number / 9)), unsigned(time_us(number))].concat());
             bytes.extend(values(0).flat_map(signed));
             bytes
         } else {
@@ -138,6 +143,35 @@ fn frames_behind_a_damaged_one_are_left_out_up_to_the_next_whole_one() {
     assert!(log.notes.iter().any(|note| note.starts_with("7 frames left out")), "{:?}", log.notes);
     let gap = (1.0 + 0.091)..(1.0 + 0.0989);
     assert!(log.time_s.iter().all(|time_s| !gap.contains(time_s)));
+}
+
+/// A simulated controller's clock may be set back, as that of INAV's simulation is: the frames before and after are as
+/// good as ever, but nobody knows how long it took in between.
+#[test]
+fn a_clock_that_is_set_back_begins_a_new_stretch_after_a_gap() {
+    let set_back = frames_at(450, |number| 1_000_000 + 1000 * number - if number < 225 { 0 } else { 150_000 });
+    let log = read([head("INAV 8.0.0 (abc)", ""), set_back.concat()].concat()).unwrap();
+    assert_eq!(log.rows(), 450);
+    let steps: Vec<f64> = log.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    for (row, step_s) in steps.iter().enumerate() {
+        if row == 224 {
+            assert!(*step_s > log.longest_uncut_step_s(), "{step_s}");
+        } else {
+            assert!((step_s - 1e-3).abs() < 1e-9, "{row}: {step_s}");
+        }
+    }
+    let said = |note: &&String| note.contains("clock was set back") && note.contains("0.149 s");
+    assert!(log.notes.iter().any(|note| said(&note)), "{:?}", log.notes);
+}
+
+/// The counter of microseconds has 32 bits and begins again after 71 minutes.
+#[test]
+fn a_clock_that_begins_again_goes_on() {
+    let late = frames_at(450, |number| (u32::MAX - 200_000).wrapping_add(1000 * number));
+    let log = read([head("Betaflight 4.4.2 (abc)", ""), late.concat()].concat()).unwrap();
+    assert_eq!(log.rows(), 450);
+    assert!(log.time_s.windows(2).all(|pair| (pair[1] - pair[0] - 1e-3).abs() < 1e-6));
+    assert!(!log.notes.iter().any(|note| note.contains("set back")), "{:?}", log.notes);
 }
 
 #[test]
