@@ -387,9 +387,10 @@ fn a_map_reads_a_foreign_log() {
         "run.csv:1: `u`: column is missing, which the map bench.toml takes for pitch_cmd; \
          the header has: t, theta, v, T"
     );
+    // the first row in which the throttle is open; what was commanded before moved nothing
     assert_eq!(
         parse("run.csv", &foreign("t,theta,u,T").replace(",0.2,", ",1.2,"), Some(&map)).unwrap_err().to_string(),
-        "run.csv:2: `u`: 1.2 is outside -1.05..1.05 (another unit? a column named pitch_cmd_pct is converted)"
+        "run.csv:52: `u`: 1.2 is outside -1.05..1.05 (another unit? a column named pitch_cmd_pct is converted)"
     );
 }
 

@@ -16,7 +16,7 @@ use super::quantity::Quantity;
 use super::rate_of_change::rate_of_change;
 use super::recording::{Stream, StreamColumn};
 use super::style::Style;
-use super::{Content, Format, Log, note_gaps, source, time_base};
+use super::{Content, Format, Log, note_gaps, outside, source, time_base};
 use crate::axis::Axis;
 
 /// Whatever is no other format is taken for CSV, so that its messages say what was expected.
@@ -62,11 +62,11 @@ fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'
     let fields = fields.map_err(|(column, kind)| error_in(file, Some(header_line), column, kind))?;
     let turn_deg = map.map_or(0.0, |map| map.frame_turn_deg);
     let mut read_bytes = 0;
-    let lines = lines.inspect(|(_, line)| {
+    let observed = lines.clone().inspect(|(_, line)| {
         read_bytes += line.len() + 1;
         passage.is_at(read_bytes);
     });
-    let rows = read_rows(file, lines, &names, &fields, &mut style)?;
+    let rows = read_rows(file, observed, &names, &fields, &mut style)?;
     if let Some(cut) = cut {
         log.notes.push(format!("line {cut} left out: it has no line end and may be cut off"));
     }
@@ -78,10 +78,15 @@ fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'
             return Err(error_in(file, Some(header_line), Some(name), kind));
         }
         log.notes.push(format!("{} blank fields are missing values", rows.blanks));
-        return time_base::log_of_rows(file, stream_of(&names, &fields, rows), log)?.turned(turn_deg);
     }
-    let stream = stream_of(&names, &fields, rows);
-    if time_base::has_repeats(&stream) {
+    let has_blanks = rows.blanks > 0;
+    let mut stream = stream_of(&names, &fields, rows);
+    outside::settle(&mut stream, &mut log.notes);
+    if let Some((row, column)) = outside::first(&stream) {
+        let kind = outside::out_of_range(column.quantity, column.value[row]);
+        return Err(error_in(file, line_of(row, lines), Some(column.source.clone()), kind));
+    }
+    if has_blanks || time_base::has_repeats(&stream) {
         return time_base::log_of_rows(file, stream, log)?.turned(turn_deg);
     }
     log.set_column(Quantity::Time, stream.time_s);
@@ -185,12 +190,7 @@ impl Field {
                 return Err(LogErrorKind::NotFinite(row[*index].to_owned()));
             }
         }
-        let range = self.quantity.range();
-        if range.contains(&value) {
-            return Ok(value);
-        }
-        let (min, max, hint) = (*range.start(), *range.end(), hint(value, self.quantity));
-        Err(LogErrorKind::OutOfRange { value, min, max, hint })
+        outside::checked(self.quantity, value)
     }
 }
 
@@ -320,6 +320,13 @@ impl Repeated {
     }
 }
 
+/// The number of the line that a row was read from: lines that repeat the one before are no rows.
+fn line_of<'a>(row: usize, lines: impl Iterator<Item = (usize, &'a str)>) -> Option<usize> {
+    let mut before = "";
+    let mut own = lines.filter(|(_, text)| std::mem::replace(&mut before, text) != *text);
+    own.nth(row).map(|(line, _)| line)
+}
+
 /// All rows; empty lines at the end of the file are no rows.
 fn read_rows<'a>(
     file: &str,
@@ -367,21 +374,6 @@ fn read_rows<'a>(
         rows.columns[place] = time.map_or(Vec::new(), |time| rate_of_change(&rows.columns[time], &rows.columns[place]));
     }
     Ok(rows)
-}
-
-/// What a value out of range most likely is.
-fn hint(value: f64, quantity: Quantity) -> String {
-    let is_command = matches!(quantity, Quantity::Motor(_) | Quantity::Command(_) | Quantity::Thrust);
-    if is_command && (800.0..=2200.0).contains(&value) {
-        return " (a pulse width in us? give scale and offset in a --map)".to_owned();
-    }
-    let plausible_in_other_unit = !is_command || value.abs() <= 105.0;
-    match quantity.names().nth(1) {
-        Some((name, _)) if plausible_in_other_unit => {
-            format!(" (another unit? a column named {name} is converted)")
-        }
-        _ => String::new(),
-    }
 }
 
 fn unquoted(field: &str) -> &str {

@@ -21,6 +21,7 @@ mod map;
 mod messages;
 mod motor_order;
 mod other_files;
+mod outside;
 mod part;
 mod passage;
 mod quantity;

@@ -80,13 +80,9 @@ impl Flown {
     pub fn of(log: &Log) -> Flown {
         let active = log.active_rows();
         let collective = log.collective().unwrap_or_else(|| vec![1.0; log.rows()]);
-        let usual = usual(&collective, &active);
-        let mut lifts: Vec<bool> =
-            collective.iter().zip(&active).map(|(value, active)| *active && *value > IDLE * usual).collect();
-        let fill_short = |lifts: &mut [bool]| [false, true].iter().for_each(|kind| fill(&log.time_s, lifts, *kind));
-        fill_short(&mut lifts);
+        let (mut lifts, usual) = lifting(&log.time_s, &collective, &active);
         keep_what_is_steered(log, &active, (&collective, usual), &mut lifts);
-        fill_short(&mut lifts);
+        fill_short(&log.time_s, &mut lifts);
         let flights: Vec<Flight> = stretches(&lifts)
             .into_iter()
             .filter(|rows| lifts[rows.start])
@@ -168,6 +164,15 @@ pub enum FlownError {
     Log(LogError),
 }
 
+/// Rows in which the motors lift, by the collective alone, and what the collective usually is in them.
+pub(super) fn lifting(time_s: &[f64], collective: &[f64], active: &[bool]) -> (Vec<bool>, f64) {
+    let usual = usual(collective, active);
+    let mut lifts: Vec<bool> =
+        collective.iter().zip(active).map(|(value, active)| *active && *value > IDLE * usual).collect();
+    fill_short(time_s, &mut lifts);
+    (lifts, usual)
+}
+
 /// The collective of flight: of what lies above half of the most there is, the middle, so that a long idle does not
 /// count.
 fn usual(collective: &[f64], active: &[bool]) -> f64 {
@@ -246,6 +251,11 @@ fn steering_of(log: &Log, axis: Axis) -> Option<Vec<f64>> {
     let Some(motors) = log.motors() else { return log.column(Quantity::Command(axis)).map(<[f64]>::to_vec) };
     let part = |row: usize| signed_sums(motors.map(|motor| motor[row]))[axis.index()];
     Some((0..log.rows()).map(part).collect())
+}
+
+/// A short time below is a manoeuvre, then a short one above is a test of the motors.
+fn fill_short(time_s: &[f64], lifts: &mut [bool]) {
+    [false, true].iter().for_each(|kind| fill(time_s, lifts, *kind));
 }
 
 /// Turns stretches of one kind that are too short to mean it, at the ends of a log too, but for lifting ones there.

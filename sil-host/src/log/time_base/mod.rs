@@ -11,7 +11,7 @@ use super::error::{LogError, LogErrorKind, ROWS_MIN, held};
 use super::map::{Map, Threshold};
 use super::quantity::Quantity;
 use super::recording::{Recording, Stream};
-use super::{Log, note_gaps};
+use super::{Log, note_gaps, outside};
 use crate::axis::Axis;
 
 /// A quantity that the rows need not have is left out if it covers less of them than this.
@@ -38,13 +38,19 @@ pub(super) fn log_of(file: &str, recording: Recording, map: Option<&Map>) -> Res
             let name = &stream.name;
             log.notes.push(format!("{name}: {gone} readings replaced by the next one, whose time is not later"));
         }
+        outside::settle(stream, &mut log.notes);
         repeats::take_out(stream, &mut log.notes);
     }
     let recording = Recording { streams, ..Recording::default() };
+    let has_motors = (0..4).all(|motor| recording.find(Quantity::Motor(motor)).is_some());
     let mut all = Vec::new();
     for (stream, column) in Quantity::ALL.into_iter().filter_map(|quantity| recording.find(quantity)) {
-        let readings = Readings::of(stream, column, &mut log.notes).map_err(|kind| fail(Some(&column.source), kind))?;
-        all.extend(readings);
+        match Readings::of(stream, column, &mut log.notes) {
+            Ok(readings) => all.extend(readings),
+            // beside motors nobody needs them
+            Err(_) if has_motors && matches!(column.quantity, Quantity::Command(_)) => {}
+            Err(kind) => return Err(fail(Some(&column.source), kind)),
+        }
     }
     let quantities = Quantities::of(all, &unknown_fields).map_err(|kind| fail(None, kind))?;
     let (quantities, rows_s) = quantities.covering_rows(&mut log.notes);

@@ -234,6 +234,37 @@ fn a_wild_reading_is_none_and_a_wrong_unit_is_an_error() {
     );
 }
 
+/// Axis commands and their collective, zero before it lifts off at 4 s; yaw's is what is given.
+fn commanded(yaw: &dyn Fn(f64) -> f64) -> Stream {
+    let turn = |time_s: f64| 0.1 * (7.0 * time_s).sin();
+    let lift = |time_s: f64| if time_s < 4.0 { 0.0 } else { 0.5 };
+    let quantities: [(Quantity, &dyn Fn(f64) -> f64); 4] = [
+        (Quantity::Command(Axis::Roll), &turn),
+        (Quantity::Command(Axis::Pitch), &turn),
+        (Quantity::Command(Axis::Yaw), yaw),
+        (Quantity::Thrust, &lift),
+    ];
+    stream("commands", &times(0.5, 9.5, 50.0), &quantities)
+}
+
+/// PX4 up to 1.12 wrote yaw commands of 2.77 before it was armed; in flight no mixer takes such.
+#[test]
+fn commands_out_of_range_before_the_flight_refuse_nothing_and_in_flight_all() {
+    let read = |yaw: &dyn Fn(f64) -> f64| {
+        let gyro_s = times(1.0, 9.0, 100.0);
+        log_of("log", recording(vec![attitude(&gyro_s), commanded(yaw), gyro(&gyro_s)]), None)
+    };
+    let log = read(&|time_s| if time_s < 3.0 { 2.77 } else { 0.3 }).unwrap();
+    let yaw = log.axis_command[2].as_ref().unwrap();
+    assert_eq!((yaw[0], yaw[log.rows() - 1]), (1.0, 0.3));
+    assert_eq!(log.rows(), 801);
+    let said = |note: &String| note.starts_with("commands.yaw_cmd: 125 of 451 readings are outside of -1.05..1.05");
+    assert!(log.notes.iter().any(said), "{:?}", log.notes);
+    let message = read(&|time_s| if (3.0..=6.0).contains(&time_s) { 0.3 } else { 2.77 }).unwrap_err().to_string();
+    assert!(message.contains("`commands.yaw_cmd`: ") && message.contains("of -1.05..1.05 as yaw_cmd"), "{message}");
+    assert!(message.contains("the first 2.77 at 6.02 s"), "{message}");
+}
+
 #[test]
 fn what_is_missing_is_named_with_what_is_there() {
     let time_s = times(0.0, 5.0, 50.0);
