@@ -100,8 +100,12 @@ fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'
     log.turned(turn_deg)
 }
 
-/// Every column of numbers under its own name; a field that is no number is NaN, a text without lines an error.
-pub(super) fn table(file: &str, text: &str) -> Result<Table, LogError> {
+/// Every column of numbers under its own name, a field that is no number as NaN; and the names of the columns that have
+/// fields which are neither numbers nor blank.
+///
+/// # Errors
+/// There is no line.
+pub(super) fn table(file: &str, text: &str) -> Result<(Table, Vec<String>), LogError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let line_end = if text.contains('\n') { '\n' } else { '\r' };
     let (text, _) = whole_lines(text, line_end);
@@ -109,13 +113,25 @@ pub(super) fn table(file: &str, text: &str) -> Result<Table, LogError> {
     let header = lines.find(|line| !line.starts_with('#') && !line.is_empty());
     let header = header.ok_or_else(|| error_in(file, None, None, LogErrorKind::Empty))?;
     let mut style = Style::of(header);
-    let names = header.split(style.separator).map(|name| unquoted(name).to_owned());
-    let mut table = Table::with_fields(names);
+    let names: Vec<String> = header.split(style.separator).map(|name| unquoted(name).to_owned()).collect();
+    let mut has_words = vec![false; names.len()];
+    let mut table = Table::with_fields(names.iter().cloned());
     for line in lines.filter(|line| !line.is_empty()) {
-        let separator = style.separator;
-        table.push(line.split(separator).map(|field| style.number(unquoted(field)).unwrap_or(f64::NAN)));
+        let fields = line.split(style.separator).map(unquoted).enumerate();
+        let numbers: Vec<f64> = fields
+            .map(|(place, field)| {
+                let number = style.number(field);
+                let is_there = number.as_ref().is_ok_and(|number| number.is_finite());
+                if let (false, false, Some(has_words)) = (is_there, field.is_empty(), has_words.get_mut(place)) {
+                    *has_words = true;
+                }
+                number.unwrap_or(f64::NAN)
+            })
+            .collect();
+        table.push(numbers);
     }
-    Ok(table)
+    let with_words = names.into_iter().zip(has_words).filter(|(_, has_words)| *has_words).map(|(name, _)| name);
+    Ok((table, with_words.collect()))
 }
 
 /// The text up to its last line end, and the number of the line that has none; the whole text if it is one line.

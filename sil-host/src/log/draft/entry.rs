@@ -1,6 +1,7 @@
 //! One line of a drafted map, from a column's name and values: key with its unit, scale, and the reason for each.
 
-use super::names::{Named, is_place};
+use super::names::{Named, is_decoded, is_place};
+use super::words::words;
 use crate::axis::Axis;
 use crate::log::Quantity;
 
@@ -14,6 +15,8 @@ pub(super) struct Entry {
     pub(super) scale: f64,
     pub(super) offset: f64,
     pub(super) rank: usize,
+    /// True where the column's name says its unit.
+    pub(super) is_unit_said: bool,
     pub(super) why: Vec<String>,
 }
 
@@ -42,15 +45,25 @@ pub(super) fn entry(column: &str, said: &Named, values: &[f64]) -> Entry {
     let key = match said.unit {
         Some(unit) => {
             why.push("unit by its name".to_owned());
+            if is_decoded(&words(column)) {
+                why.push("not known: the counts to 1 deg/s of firmware before Betaflight 3".to_owned());
+            }
             format!("{}{unit}", quantity.stem())
         }
         None => quantity.name(),
     };
-    let (scale, offset, about) = size_of_command(quantity, values);
+    let (scale, offset, about) = match quantity {
+        Quantity::Rpm(_) if !words(column).iter().any(|word| word.ends_with("rpm")) => {
+            let about = "not known: its unit; rad/s is taken, as omega is elsewhere".to_owned();
+            (30.0 / std::f64::consts::PI, 0.0, Some(about))
+        }
+        _ => size_of_command(quantity, values),
+    };
     why.extend(about);
     // the Crazyflie's y counts to the left
     let sign = if quantity == Quantity::Velocity(Axis::Pitch) && is_place(column) { -1.0 } else { 1.0 };
-    Entry { quantity, key, column: column.to_owned(), sign, scale, offset, rank: said.rank, why }
+    let (column, is_unit_said) = (column.to_owned(), said.unit.is_some());
+    Entry { quantity, key, column, sign, scale, offset, rank: said.rank, is_unit_said, why }
 }
 
 /// A motor's largest command over DShot.

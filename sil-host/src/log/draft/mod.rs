@@ -3,12 +3,19 @@
 //! and tried again. Each line says why it is there; what nothing in the log can tell is said, too.
 
 mod entry;
+mod filling;
 mod names;
+#[cfg(test)]
+mod tests;
+mod units;
+mod words;
 
 use std::path::Path;
 
 use self::entry::{Entry, entry};
+use self::filling::Filling;
 use self::names::{Named, is_command_of_some_axis, named};
+use self::words::Families;
 use super::contradiction::Contradiction;
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;
@@ -20,8 +27,8 @@ use crate::axis::Axis;
 
 /// Mended more often than this, something else is wrong.
 const ROUNDS_MAX: usize = 8;
-/// A column with fewer numbers holds something else.
-const NUMBERS_MIN: f64 = 0.5;
+/// A column that is not in all rows yields to one that is.
+const SPARSE_RANK: usize = 10;
 
 /// A map as a text, to be looked through by its user.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,10 +68,14 @@ fn draft_of(path: &Path, bytes: Vec<u8>) -> Result<Option<Draft>, LogError> {
 /// A map in the making.
 struct Drafting<'a> {
     file: &'a str,
+    /// Of the table.
+    rows: usize,
     frame: &'static str,
     frame_turn_deg: f64,
     entries: Vec<Entry>,
     unused: Vec<String>,
+    /// Columns of another table that stands beside the first, each with the number of its rows.
+    of_another_table: Vec<(String, usize)>,
     remarks: Vec<String>,
     /// What a log needs and no column's name says.
     lacking: Vec<String>,
@@ -72,29 +83,46 @@ struct Drafting<'a> {
 
 impl Drafting<'_> {
     fn of<'a>(file: &'a str, text: &str) -> Result<Drafting<'a>, LogError> {
-        let table = csv::table(file, text)?;
+        let (table, with_words) = csv::table(file, text)?;
         let mut drafting = Drafting {
             file,
+            rows: table.rows(),
             frame: "FRD",
             frame_turn_deg: 0.0,
             entries: Vec::new(),
             unused: Vec::new(),
+            of_another_table: Vec::new(),
             remarks: Vec::new(),
             lacking: Vec::new(),
         };
-        for name in table.fields().map(str::to_owned).collect::<Vec<_>>() {
-            let values = numbers(&table, &name);
-            let is_numbers = values.len() as f64 >= NUMBERS_MIN * table.rows() as f64;
-            match named(&name).filter(|_| is_numbers) {
-                Some(said) => drafting.enter(entry(&name, &said, &values)),
-                None => drafting.unused.push(name),
-            }
+        let families = Families::of(table.fields());
+        for name in table.fields() {
+            let filling = Filling::of(&table, name, with_words.iter().any(|other| other == name));
+            let said = named(name, families.family(name));
+            drafting.take(name, said.as_ref(), filling, &table);
         }
         drafting.take_command_by_elimination(&table);
-        drafting.share_units(&table);
+        units::share(&mut drafting.entries, &table);
+        units::weigh(&mut drafting.entries, &table);
         drafting.lacking = drafting.lacking();
         drafting.drop_what_is_not_needed();
         Ok(drafting)
+    }
+
+    /// Takes a column for what its name says, if its values may be that.
+    fn take(&mut self, name: &str, said: Option<&Named>, filling: Filling, table: &Table) {
+        let entry = said.map(|said| entry(name, said, &numbers(table, name)));
+        match (entry, filling) {
+            (_, Filling::EndsEarly(rows)) => self.of_another_table.push((name.to_owned(), rows)),
+            (Some(entry), Filling::Whole) => self.enter(entry),
+            // the rows need a time each
+            (Some(mut entry), Filling::Sparse(rows)) if entry.quantity != Quantity::Time => {
+                entry.rank += SPARSE_RANK;
+                entry.why.push(format!("in {rows} of {} rows, missing in the others", table.rows()));
+                self.enter(entry);
+            }
+            _ => self.unused.push(name.to_owned()),
+        }
     }
 
     /// Puts an entry in its place; the surer of two has it.
@@ -144,36 +172,6 @@ impl Drafting<'_> {
             entry.why = vec![format!("a command, and {} is the only axis with an angle", axis.name())];
             self.unused.retain(|name| name != column);
             self.entries.push(entry);
-        }
-    }
-
-    /// Columns of one kind have one unit: what the largest of them shows.
-    fn share_units(&mut self, table: &Table) {
-        let group = |quantity: Quantity| match quantity {
-            Quantity::Angle(_) => Some((0, 3.2, "_deg")),
-            Quantity::Reference(_) => Some((1, 3.2, "_deg")),
-            Quantity::Rate(_) => Some((2, 100.0, "_deg_s")),
-            _ => None,
-        };
-        for kind in 0..3 {
-            let of_kind = |entry: &&Entry| group(entry.quantity).is_some_and(|(of, ..)| of == kind);
-            let largest = self
-                .entries
-                .iter()
-                .filter(of_kind)
-                .flat_map(|entry| numbers(table, &entry.column))
-                .fold(0.0, |largest: f64, value| largest.max(value.abs()));
-            for entry in &mut self.entries {
-                let Some((of, limit, suffix)) = group(entry.quantity) else { continue };
-                let is_said = entry.why.iter().any(|why| why.contains("unit by its name"));
-                if of == kind && !is_said {
-                    let is_degrees = largest > limit;
-                    entry.key =
-                        if is_degrees { format!("{}{suffix}", entry.quantity.stem()) } else { entry.quantity.name() };
-                    let why = if is_degrees { "too large for radians" } else { "no unit in its name: radians" };
-                    entry.why.push(format!("{why} (up to {largest:.2} among its kind)"));
-                }
-            }
         }
     }
 
@@ -326,6 +324,7 @@ impl Drafting<'_> {
         if !self.unused.is_empty() {
             text.push_str(&format!("# not used: {}\n", self.unused.join(", ")));
         }
+        text.push_str(&self.beside());
         text.push_str(&self.not_known());
         let axes: Vec<String> = self.axes().iter().map(|axis| format!("\"{}\"", axis.name())).collect();
         text.push_str(&format!("description = \"drafted from {}\"\n", self.file.replace(['"', '\\'], "'")));
@@ -346,6 +345,18 @@ impl Drafting<'_> {
         entries.sort_by_key(|entry| entry.quantity);
         text.extend(entries.into_iter().map(Entry::line));
         text
+    }
+
+    /// What stands beside the table whose rows are read.
+    fn beside(&self) -> String {
+        let Some((_, rows)) = self.of_another_table.first() else { return String::new() };
+        let names: Vec<&str> = self.of_another_table.iter().map(|(name, _)| name.as_str()).collect();
+        format!(
+            "# not used, of another table, which ends after {rows} of {} rows and has other times (make it a file of \
+             its own, or merge both by their times): {}\n",
+            self.rows,
+            names.join(", ")
+        )
     }
 
     /// What nothing in such a log can tell.

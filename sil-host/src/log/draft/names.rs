@@ -1,6 +1,7 @@
-//! What a column's name says that it is: words of many loggers, split at signs, digits and capitals.
+//! What a column's name says that it is, by words of many loggers.
 
 use super::super::quantity::Quantity;
+use super::words::{Family, words};
 use crate::axis::Axis;
 
 /// What a name says.
@@ -15,36 +16,19 @@ pub(super) struct Named {
 
 const REFERENCE: [&str; 8] = ["sp", "ref", "des", "desired", "setpoint", "target", "tar", "reference"];
 const COMMAND: [&str; 7] = ["cmd", "command", "ctrl", "torque", "moment", "u", "out"];
-const RATE: [&str; 9] = ["gyro", "gyr", "rate", "rates", "speed", "angvel", "omega", "gyroadc", "rollspeed"];
+const RATE: [&str; 9] = ["gyro", "gyr", "rate", "rates", "speed", "angvel", "omega", "gyroadc", "angrate"];
 const ACCELEROMETER: [&str; 6] = ["acc", "accel", "accelerometer", "accelerometers", "specific", "accsmooth"];
 const THRUST: [&str; 5] = ["thrust", "throttle", "collective", "thr", "t"];
 
+/// Words of motors' commands; of outputs, which may be others' too; and of rotors' speeds.
+const MOTOR: [&str; 4] = ["m", "motor", "motors", "mot"];
+const OUTPUT: [&str; 5] = ["out", "output", "outputs", "esc", "pwm"];
+const SPEED: [&str; 2] = ["rpm", "erpm"];
+
 const HEIGHT: [&str; 3] = ["height", "altitude", "alt"];
 
-/// The words of a name, in small letters.
-fn words(name: &str) -> Vec<String> {
-    let mut words: Vec<String> = Vec::new();
-    let mut before = ' ';
-    for c in name.chars() {
-        let is_start = c.is_ascii_uppercase() && before.is_ascii_lowercase()
-            || c.is_ascii_digit() && before.is_ascii_alphabetic() && !before.is_ascii_uppercase();
-        if !c.is_alphanumeric() {
-            words.push(String::new());
-        } else {
-            if is_start || words.is_empty() {
-                words.push(String::new());
-            }
-            if let Some(word) = words.last_mut() {
-                word.extend(c.to_lowercase());
-            }
-        }
-        before = c;
-    }
-    words.retain(|word| !word.is_empty());
-    words
-}
-
-fn axis_of(words: &[String]) -> Option<(Axis, bool)> {
+/// The axis of a name, and whether an angle's word says it. A number says it where it is one of three.
+fn axis_of(words: &[String], family: Option<Family>) -> Option<(Axis, bool)> {
     let by_angle = |word: &str| match word {
         "roll" | "phi" => Some(Axis::Roll),
         "pitch" | "theta" => Some(Axis::Pitch),
@@ -52,9 +36,13 @@ fn axis_of(words: &[String]) -> Option<(Axis, bool)> {
         _ => None,
     };
     let by_body = |word: &str| match word {
-        "x" | "p" | "gx" | "ax" | "wx" | "0" => Some(Axis::Roll),
-        "y" | "q" | "gy" | "ay" | "wy" | "1" => Some(Axis::Pitch),
-        "z" | "r" | "gz" | "az" | "wz" | "2" => Some(Axis::Yaw),
+        "x" | "p" | "gx" | "ax" | "wx" => Some(Axis::Roll),
+        "y" | "q" | "gy" | "ay" | "wy" => Some(Axis::Pitch),
+        "z" | "r" | "gz" | "az" | "wz" => Some(Axis::Yaw),
+        number if family.is_none_or(Family::may_be_axes) => {
+            let number: usize = number.parse().ok()?;
+            Axis::ALL.get(number.checked_sub(family.map_or(0, Family::first_axis))?).copied()
+        }
         _ => None,
     };
     let angle = words.iter().find_map(|word| by_angle(word)).map(|axis| (axis, true));
@@ -68,7 +56,7 @@ fn unit_of(words: &[String], quantity: Quantity) -> Option<&'static str> {
         Quantity::Time if has("us") => Some("_us"),
         Quantity::Time if has("ms") => Some("_ms"),
         Quantity::Time if has("s") => Some("_s"),
-        Quantity::Rate(_) if has("deg") || has("dps") => Some("_deg_s"),
+        Quantity::Rate(_) if has("deg") || has("dps") || is_decoded(words) => Some("_deg_s"),
         Quantity::Rate(_) if has("rad") => Some("_rad_s"),
         Quantity::Angle(_) | Quantity::Reference(_) if has("deg") => Some("_deg"),
         Quantity::Angle(_) | Quantity::Reference(_) if has("rad") => Some("_rad"),
@@ -80,8 +68,13 @@ fn unit_of(words: &[String], quantity: Quantity) -> Option<&'static str> {
     }
 }
 
-/// What a name says that its column is; `None` where it says nothing known.
-pub(super) fn named(name: &str) -> Option<Named> {
+/// A gyro as Blackbox' decoders name it: in degrees per second since Betaflight 3, before in the sensor's counts.
+pub(super) fn is_decoded(words: &[String]) -> bool {
+    words.iter().any(|word| word == "gyroadc") || words.windows(2).any(|pair| pair == ["gyro", "adc"])
+}
+
+/// What a name says that its column is; `None` where it says nothing known. The family is that of its number.
+pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
     if let Some((quantity, _)) = Quantity::from_name(name) {
         let unit = quantity.names().find(|(own, _)| own == name);
         let unit = unit.and_then(|_| unit_of(&words(name), quantity));
@@ -90,16 +83,16 @@ pub(super) fn named(name: &str) -> Option<Named> {
     let words = words(name);
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let first_is = |list: &[&str]| words.first().is_some_and(|word| list.contains(&word.as_str()));
-    let axis = axis_of(&words);
+    let axis = axis_of(&words, family);
     // the Crazyflie's controller_roll is what is asked for, controller_r_roll the gyro
     let of_controller = first_is(&["controller"]);
     let quantity = if first_is(&["t", "time", "timestamp", "clock", "seconds"]) && !has(&COMMAND) {
         Quantity::Time
-    } else if first_is(&["rc"]) {
-        // what the receiver says is the pilot's, not the controller's
+    } else if first_is(&["rc"]) || first_is(&["q"]) && family.and_then(Family::first_motor).is_some() {
+        // what the receiver says is the pilot's, not the controller's; and four of q are a quaternion's
         return None;
-    } else if let Some(motor) = motor(&words, usize::from(!name.contains('['))) {
-        motor
+    } else if let Some((motor, rank)) = motor(&words, family, usize::from(!name.contains('['))) {
+        return Some(Named { quantity: motor, unit: None, rank });
     } else if has(&["vbat", "vbatlatest", "battery", "voltage", "batt"]) {
         Quantity::Battery
     } else if has(&HEIGHT) && !has(&REFERENCE) || words == ["state", "estimate", "z"] {
@@ -156,24 +149,42 @@ pub(super) fn is_place(name: &str) -> bool {
     place(&words(name)).is_some()
 }
 
-/// A motor's command or a rotor's speed: `m1`, `motor_1`, `rpm1`; numbers from 1, in brackets from 0.
-fn motor(words: &[String], first: usize) -> Option<Quantity> {
-    let is = |word: &str, list: &[&str]| list.contains(&word);
-    let pair = words.windows(2).find(|pair| is(&pair[0], &["m", "motor", "motors", "rpm", "erpm"]))?;
-    let index = pair[1].parse::<usize>().ok()?.checked_sub(first).filter(|index| *index < 4)?;
-    let is_speed = words.iter().any(|word| is(word, &["rpm", "erpm"]));
-    Some(if is_speed { Quantity::Rpm(index) } else { Quantity::Motor(index) })
+/// A motor's command or a rotor's speed, and how sure that is: `m1`, `motor_1`, `rpm1`; numbers from 1, in brackets
+/// from 0, if the names beside it do not say else. Outputs are motors', and `omega1` is a rotor's speed, where there
+/// are four.
+fn motor(words: &[String], family: Option<Family>, usual_first: usize) -> Option<(Quantity, usize)> {
+    let is_any = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let of_four = family.and_then(Family::first_motor);
+    let first = of_four.unwrap_or(usual_first);
+    let numbered = |list: &[&str]| {
+        let joined = |word: &str| list.iter().find_map(|first| word.strip_prefix(first)?.parse::<usize>().ok());
+        let apart = |pair: &[String]| list.contains(&pair[0].as_str()).then(|| pair[1].parse::<usize>().ok()).flatten();
+        let number = words.windows(2).find_map(apart).or_else(|| words.iter().find_map(|word| joined(word)))?;
+        number.checked_sub(first).filter(|index| *index < 4)
+    };
+    let is_speed = is_any(&SPEED);
+    if let Some(index) = numbered(&MOTOR).or_else(|| numbered(&SPEED)) {
+        return Some((if is_speed { Quantity::Rpm(index) } else { Quantity::Motor(index) }, 1));
+    }
+    of_four?;
+    let is_output = OUTPUT.contains(&words[0].as_str());
+    match (is_output.then(|| numbered(&OUTPUT)).flatten(), is_speed) {
+        (Some(index), true) => Some((Quantity::Rpm(index), 1)),
+        (Some(index), false) => Some((Quantity::Motor(index), 2)),
+        (None, _) => Some((Quantity::Rpm(numbered(&["omega"])?), 2)),
+    }
 }
 
 /// A command of an axis whose name does not say which: `M_cmd`.
 pub(super) fn is_command_of_some_axis(name: &str) -> bool {
     let words = words(name);
     let is_command = words.iter().any(|word| COMMAND.contains(&word.as_str())) && words[0] != "rc";
-    is_command && axis_of(&words).is_none() && named(name).is_none()
+    is_command && axis_of(&words, None).is_none() && named(name, None).is_none()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::words::Families;
     use super::*;
 
     #[test]
@@ -206,12 +217,14 @@ mod tests {
             ("stateEstimate_x", Quantity::Velocity(Roll), None),
             ("baro_alt", Quantity::Height, None),
         ] {
-            let said = named(name).unwrap_or_else(|| panic!("{name}"));
+            let said = named(name, None).unwrap_or_else(|| panic!("{name}"));
             assert_eq!((said.quantity, said.unit), (quantity, unit), "{name}");
         }
         for name in ["x_m", "v_m_s", "q_sp_rad_s", "controller_rollRate", "motors_on", "note", "rcCommand[1]"] {
-            assert_eq!(named(name).map(|said| said.quantity), None, "{name}");
+            assert_eq!(named(name, None).map(|said| said.quantity), None, "{name}");
         }
+        let four = Families::of(["q0", "q1", "q2", "q3"].into_iter());
+        assert_eq!(named("q1", four.family("q1")), None);
         assert!(is_command_of_some_axis("M_cmd_norm") && !is_command_of_some_axis("roll_cmd"));
         assert!(!is_command_of_some_axis("rcCommand[3]"));
     }

@@ -1,0 +1,175 @@
+//! Drafts of small tables in the names of many loggers.
+
+use std::path::Path;
+
+use super::super::Log;
+use super::super::quantity::GRAVITY_M_S2;
+use super::*;
+
+/// A table of these columns, 150 rows at 100 per second; what each row says is given by its number and its time, s. So
+/// short a log tells nothing of signs.
+fn table(header: &str, row: impl Fn(u32, f64) -> String) -> String {
+    let line = |number: u32| row(number, 0.01 * f64::from(number)) + "\n";
+    format!("{header}\n") + &(0..150).map(line).collect::<String>()
+}
+
+/// A number that no row repeats.
+fn wave(time_s: f64, height: f64) -> f64 {
+    height * (5.0 * time_s + height).sin()
+}
+
+fn drafted(text: &str) -> Draft {
+    draft_from(Path::new("flight.csv"), &mut text.as_bytes()).unwrap().unwrap()
+}
+
+/// The draft and the log as read by it; there must be no problem left.
+fn read(text: &str) -> (String, Log) {
+    let Draft { toml, problems } = drafted(text);
+    assert!(problems.is_empty(), "{problems:?}\n{toml}");
+    let map = Map::parse("draft", &toml).unwrap();
+    (toml, csv::parse("flight.csv", text, Some(&map)).unwrap())
+}
+
+fn rates(time_s: f64) -> String {
+    format!("{},{},{}", wave(time_s, 0.5), wave(time_s, 0.4), wave(time_s, 0.3))
+}
+
+fn pulses(time_s: f64) -> String {
+    [1500.0, 1510.0, 1520.0, 1530.0].map(|pulse_us| format!("{:.3}", pulse_us + wave(time_s, 20.0))).join(",")
+}
+
+#[test]
+fn motors_are_found_under_the_names_of_outputs() {
+    for names in ["out1,out2,out3,out4", "m1pwm,m2pwm,m3pwm,m4pwm", "M1,M2,M3,M4", "esc0,esc1,esc2,esc3", "m0,m1,m2,m3"]
+    {
+        let text =
+            table(&format!("t,gx,gy,gz,{names}"), |_, time_s| format!("{time_s},{},{}", rates(time_s), pulses(time_s)));
+        let (toml, log) = read(&text);
+        for (motor, name) in names.split(',').enumerate() {
+            let line = format!("motor{} = {{ column = \"{name}\", scale = 1e-3, offset = -1 }}", motor + 1);
+            assert!(toml.contains(&line), "{line}\n{toml}");
+            let expected = 0.5 + 0.01 * motor as f64 + 1e-3 * wave(0.3, 20.0);
+            assert!((log.motors().unwrap()[motor][30] - expected).abs() < 2e-6, "{name}");
+        }
+        assert!(!toml.contains("_cmd = "), "{toml}");
+    }
+}
+
+/// A motor's own name is surer than an output's.
+#[test]
+fn outputs_beside_motors_are_not_used() {
+    let text = table("t,gx,gy,gz,out1,out2,out3,out4,m1,m2,m3,m4", |_, time_s| {
+        format!("{time_s},{},0.1,0.2,0.3,0.4,{}", rates(time_s), pulses(time_s))
+    });
+    let (toml, _) = read(&text);
+    assert!(toml.contains("# not used: out1, out2, out3, out4\n"), "{toml}");
+    assert!(toml.contains("motor4 = { column = \"m4\""), "{toml}");
+}
+
+#[test]
+fn rates_are_found_by_letters_that_are_joined_and_by_numbers_from_one() {
+    for names in ["omegax,omegay,omegaz", "omega1,omega2,omega3", "omega_0,omega_1,omega_2", "gyrox,gyroy,gyroz"] {
+        let text = table(&format!("t,{names},m1,m2,m3,m4"), |_, time_s| {
+            format!("{time_s},{},{}", rates(time_s), pulses(time_s))
+        });
+        let (toml, log) = read(&text);
+        for (axis, height) in Axis::ALL.into_iter().zip([0.5, 0.4, 0.3]) {
+            assert!(
+                (log.column(Quantity::Rate(axis)).unwrap()[30] - wave(0.3, height)).abs() < 1e-9,
+                "{names}\n{toml}"
+            );
+        }
+    }
+    let text = table("t,rollrate,pitchrate,roll,pitch,m1,m2,m3,m4", |_, time_s| {
+        format!("{time_s},{},0.1,{}", rates(time_s), pulses(time_s))
+    });
+    let (toml, _) = read(&text);
+    assert!(toml.contains("q_rad_s = { column = \"pitchrate\" }"), "{toml}");
+}
+
+/// Of four motors, in rad/s as the letter has it everywhere.
+#[test]
+fn four_omegas_are_rotor_speeds_and_no_rates() {
+    let text = table("t,gx,gy,gz,omega1,omega2,omega3,omega4,m1,m2,m3,m4", |_, time_s| {
+        format!("{time_s},{},500.5,510.25,520,530,{}", rates(time_s), pulses(time_s))
+    });
+    let (toml, log) = read(&text);
+    let rpm = log.column(Quantity::Rpm(1)).unwrap()[30];
+    assert!((rpm - 510.25 * 60.0 / (2.0 * std::f64::consts::PI)).abs() < 1e-3, "{rpm}\n{toml}");
+    assert!(toml.contains("rpm2 = { column = \"omega2\"") && toml.contains("not known"), "{toml}");
+}
+
+/// Betaflight's and Cleanflight's CSV: so many counts to 1 g, which the rows do not say.
+#[test]
+fn counts_of_an_accelerometer_are_scaled_by_gravity() {
+    for counts_per_g in [2048.0, 4096.0, 512.0, 1000.0, 777.0] {
+        let text = table(
+            "time (us),gyroADC[0],gyroADC[1],gyroADC[2],accSmooth[0],accSmooth[1],accSmooth[2],motor[0],motor[1],\
+             motor[2],motor[3]",
+            |number, time_s| {
+                let [x, y] = [0.02, 0.03].map(|height| counts_per_g * wave(time_s, height));
+                let z = counts_per_g * (1.0 + wave(time_s, 0.015));
+                format!("{},{},{x:.0},{y:.0},{z:.0},{}", 10_000 * number, rates(time_s), pulses(time_s))
+            },
+        );
+        let (toml, log) = read(&text);
+        let z = log.accel_body_m_s2[2].as_ref().unwrap();
+        let mean = z.iter().sum::<f64>() / z.len() as f64;
+        // the waves' mean, and what the median is off by where no usual scale is near, are a hundredth each; which way
+        // z counts so short a log does not tell
+        assert!((mean.abs() / GRAVITY_M_S2 - 1.0).abs() < 0.02, "{counts_per_g}: {mean}\n{toml}");
+        let is_usual = counts_per_g != 777.0;
+        assert_eq!(toml.contains(&format!("{counts_per_g:.0} counts to 1 g")), is_usual, "{toml}");
+        assert_eq!(toml.contains("not known: its scale"), !is_usual, "{toml}");
+    }
+    // and what is in g or in m/s^2 stays so
+    for (unit, key) in [(1.0, "az_g"), (GRAVITY_M_S2, "az_m_s2")] {
+        let text = table("t,gx,gy,gz,acc_x,acc_y,acc_z,m1,m2,m3,m4", |_, time_s| {
+            let [x, y] = [0.02, 0.03].map(|height| unit * wave(time_s, height));
+            format!("{time_s},{},{x},{y},{},{}", rates(time_s), unit * (wave(time_s, 0.01) - 1.0), pulses(time_s))
+        });
+        let (toml, _) = read(&text);
+        assert!(toml.contains(&format!("{key} = {{ column = \"acc_z\" }}")), "{toml}");
+    }
+}
+
+/// As logs are that were merged from several rates: docs/log-format.md reads blank fields as missing values.
+#[test]
+fn what_is_logged_at_a_slower_rate_is_taken_and_said() {
+    let text = table("t,gx,gy,gz,vbat_V,roll,pitch,m1,m2,m3,m4", |number, time_s| {
+        let slow = |every: u32, value: f64| if number % every == 0 { value.to_string() } else { String::new() };
+        let [volts, roll, pitch] =
+            [slow(20, 12.0 - 0.1 * time_s), slow(5, wave(time_s, 0.2)), slow(5, wave(time_s, 0.1))];
+        format!("{time_s},{},{volts},{roll},{pitch},{}", rates(time_s), pulses(time_s))
+    });
+    let (toml, log) = read(&text);
+    assert!((log.battery_v.as_ref().unwrap()[40] - 11.96).abs() < 1e-9, "{toml}");
+    assert!(log.angle_rad[1].is_some(), "{toml}");
+    let line = toml.lines().find(|line| line.starts_with("battery_v = ")).unwrap();
+    assert!(line.contains("in 8 of 150 rows"), "{line}");
+}
+
+/// A shorter table beside the log, whose rows have times of their own: by the rows of the first it would be read at
+/// wrong times.
+#[test]
+fn a_second_table_beside_the_first_is_left_out_and_said() {
+    let text = table("t,gx,gy,gz,m1,m2,m3,m4,t2,roll,pitch", |number, time_s| {
+        let beside = if number < 30 { format!("{},0.1,0.2", 0.05 * f64::from(number)) } else { ",,".to_owned() };
+        format!("{time_s},{},{},{beside}", rates(time_s), pulses(time_s))
+    });
+    let (toml, log) = read(&text);
+    assert!(log.angle_rad[0].is_none(), "{toml}");
+    let said = toml.lines().find(|line| line.starts_with("# not used, of another table")).unwrap();
+    assert!(said.ends_with(": t2, roll, pitch") && said.contains("30 of 150 rows"), "{said}");
+}
+
+/// A column of words is none of numbers, however many of its fields are blank.
+#[test]
+fn words_are_no_slower_rate() {
+    let text = table("t,gx,gy,gz,m1,m2,m3,m4,roll", |number, time_s| {
+        let said = ["", "left", "0.1", ""][number as usize % 4];
+        format!("{time_s},{},{},{said}", rates(time_s), pulses(time_s))
+    });
+    let (toml, log) = read(&text);
+    assert!(log.angle_rad[0].is_none() && toml.contains("# not used: roll\n"), "{toml}");
+}
