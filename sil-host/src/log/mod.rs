@@ -16,6 +16,7 @@ pub mod flown;
 #[cfg(test)]
 mod fuzz_seeds;
 mod joined;
+mod jumps;
 mod long;
 mod map;
 mod messages;

@@ -63,12 +63,16 @@ impl Wanted {
         self.of(read_from(name, bytes, self.map.as_ref())?)
     }
 
-    /// The wanted rows of a log; what was checked of it stands in its notes.
+    /// The wanted rows of a log, where not all of them are wanted cut where its attitude jumps; what was checked of it
+    /// stands in its notes.
     ///
     /// # Errors
     /// [`NotWanted`].
     pub fn of(&self, log: Log) -> Result<Log, NotWanted> {
         let mut part = self.part(log.turned(self.frame_turn_deg)?)?;
+        if self.rows != Rows::All {
+            part = part.cut_at_jumps();
+        }
         if self.unchecked {
             part.notes.push("not checked against itself (--unchecked)".to_owned());
             return Ok(part);
