@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use sil_host::answer::board_parameters::{board_parameters, params_file};
 use sil_host::answer::identified::{table, table_of};
-use sil_host::diagnosis::{Identified, KnownScale, NotIdentified, identify_axes_observed, identify_observed};
+use sil_host::diagnosis::{Holding, Identified, KnownScale, NotIdentified, identify_axes_observed, identify_observed};
 use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
@@ -50,6 +50,8 @@ struct Answer {
     source: String,
     /// What they show.
     numbers: Vec<Identified>,
+    /// Disturbances that last and that the commands hold against.
+    holding: Vec<Holding>,
 }
 
 /// A model, as a table and as a file, and its numbers.
@@ -115,7 +117,11 @@ fn vehicle(
         write_file(path, params_file(&identified.source, &parameters).as_bytes())?;
     }
     let (shown, toml) = (table(&identified), identified.to_toml());
-    Ok(Ok(Made { shown, toml, answer: Answer { source: identified.source, numbers: identified.numbers } }))
+    Ok(Ok(Made {
+        shown,
+        toml,
+        answer: Answer { source: identified.source, numbers: identified.numbers, holding: Vec::new() },
+    }))
 }
 
 /// Separate axes, which have no scale and fly no board.
@@ -133,7 +139,11 @@ fn axes(logs: &[Log]) -> Result<Made, NotIdentified> {
     let line = ProgressLine::new();
     let identified = identify_axes_observed(logs, &|progress| line.show(progress))?;
     let (shown, toml) = (table_of(&identified.numbers), identified.to_toml());
-    Ok(Made { shown, toml, answer: Answer { source: identified.source, numbers: identified.numbers } })
+    Ok(Made {
+        shown,
+        toml,
+        answer: Answer { source: identified.source, numbers: identified.numbers, holding: identified.holding },
+    })
 }
 
 /// Separate axes of a flight that gave no vehicle, where nothing was asked for that only a vehicle has, and where they

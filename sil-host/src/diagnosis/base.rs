@@ -259,12 +259,6 @@ fn late_s(terms: &[Term<'_>], name: &str) -> Option<f64> {
     terms.iter().find(|term| term.effect.name() == name).and_then(|term| term.values.first().copied())
 }
 
-/// What an axis, by its name, was fitted to answer its command with; none of a vehicle's model.
-pub(super) fn input_gain(terms: &[BaseTerm], axis: &str) -> Option<Estimate> {
-    let term = terms.iter().find(|term| term.effect == "input_gain" && term.axis == Some(axis))?;
-    term.parameters.values().next().copied()
-}
-
 /// What the extended model has of the base model; empty where the nominal model's own numbers serve.
 pub(super) fn terms(search: &Search<'_>, found: &Found<'_>) -> Vec<BaseTerm> {
     let fit = &found.refitted.chosen;

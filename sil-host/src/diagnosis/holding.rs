@@ -16,12 +16,12 @@ use std::fmt;
 use serde::Serialize;
 
 use super::base::{self, Numbers, numbers_of};
+use super::effectiveness;
 use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::search::Search;
-use super::verdict::{MODEL_ERROR, estimates};
 use crate::axis::Axis;
-use crate::diagnosis::fitting::fit::{Fit, Term};
+use crate::diagnosis::fitting::fit::{Fit, Nominal};
 use crate::diagnosis::fitting::process_noise::Disturbance;
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::log::Log;
@@ -68,6 +68,13 @@ pub struct LastingGain {
     pub std_rad_s2: f64,
 }
 
+impl LastingGain {
+    /// Is it another's within what is taken for settled?
+    fn is_near(&self, other: &LastingGain) -> bool {
+        (other.gain_rad_s2 - self.gain_rad_s2).abs() < SETTLED * other.gain_rad_s2.abs()
+    }
+}
+
 /// "pitch: 304 +- 18 rad/s^2".
 impl fmt::Display for LastingGain {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -85,7 +92,7 @@ pub(super) struct Lasting<'l> {
     pub(super) denies: bool,
 }
 
-/// A log in the noise of disturbances that last; none where none does, or no gain is sought.
+/// A log in the noise of disturbances that last; none where none does, or of a vehicle's model.
 ///
 /// # Errors
 /// As [`Subject::windowed`].
@@ -96,11 +103,12 @@ pub(super) fn in_lasting_noise<'l>(
     ordinary: &[Fitted],
     base: &Fit<'_>,
 ) -> Result<Option<Lasting<'l>>, NotPredictable> {
-    if search.gains.is_empty() {
+    if subject.is_vehicle() {
         return Ok(None);
     }
+    let gains_of = |fit: &Fit<'_>| gains_of(fit, subject, search.nominal);
     let mut shooting = base::in_noise_of(log, subject, search, base, Disturbance::Lasting)?;
-    let mut numbers = begun_at(base, search.gains.len(), ordinary);
+    let (mut numbers, mut gains) = (begun_at(base, search.gains.len(), ordinary), gains_of(base));
     // what a base model of white noise leaves is what a wrong one leaves: noise and model are found in turns
     for round in 0..ROUNDS {
         if !shooting.is_disturbed() {
@@ -112,10 +120,10 @@ pub(super) fn in_lasting_noise<'l>(
             _ => base::fitted_from(&search, ordinary, &numbers),
         };
         let next = base::in_noise_of(log, subject, &search, &fit, Disturbance::Lasting)?;
-        let found = numbers_of(&fit);
-        let gains = numbers.iter().zip(&found).take(search.gains.len());
-        let is_settled = gains.map(|(before, now)| (now[0] - before[0]).abs() / now[0].abs()).all(|by| by < SETTLED);
-        (shooting, numbers) = (next, found);
+        let found = gains_of(&fit);
+        let is_settled = gains.iter().zip(&found).all(|(before, now)| before.is_near(now));
+        (numbers, gains) = (numbers_of(&fit), found);
+        shooting = next;
         if is_settled {
             break;
         }
@@ -155,13 +163,13 @@ fn begun_at(base: &Fit<'_>, gains: usize, ordinary: &[Fitted]) -> Numbers {
 }
 
 /// The input gains of a fit with their intervals, axis by axis.
-fn gains_of(fit: &Fit<'_>) -> Vec<LastingGain> {
-    let of = |(index, term): (usize, &Term<'_>)| {
-        let Fitted::InputGain(axis) = term.effect else { return None };
-        let Estimate { value, std } = estimates(fit, index, MODEL_ERROR).into_values().next()?;
+fn gains_of(fit: &Fit<'_>, subject: &Subject<'_>, nominal: Nominal<'_>) -> Vec<LastingGain> {
+    let gains = effectiveness::of(fit, nominal, subject);
+    let of = |axis: Axis| {
+        let Estimate { value, std } = gains[axis.index()]?;
         Some(LastingGain { axis: axis.name(), gain_rad_s2: value, std_rad_s2: std })
     };
-    fit.terms.iter().enumerate().filter_map(of).collect()
+    Axis::ALL.into_iter().filter_map(of).collect()
 }
 
 /// What a log is held under.

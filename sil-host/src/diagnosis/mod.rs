@@ -20,6 +20,7 @@ mod baseline;
 mod block_bootstrap;
 pub mod controller;
 mod denied;
+mod effectiveness;
 mod estimate;
 mod evidence;
 mod extension;
@@ -77,6 +78,7 @@ pub use evidence::horizons::{Horizon, HorizonError};
 pub use evidence::residuals::ChannelResiduals;
 use evidence::statistics::Judged;
 pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
+use evidence::warnings::Shown;
 pub use extension::{NotExtended, extended_model};
 use fitted::Fitted;
 pub use fitted::per_unit_inertia;
@@ -338,13 +340,18 @@ fn answer<'e>(
     let horizons = evidence::horizons::horizons(&shooting.log, &driven);
     let base_terms = base::terms(search, found);
     let by_reference: Vec<ByReference> = by_reference(log.commanding()).into_iter().flatten().collect();
-    let denied = denied::denied(&by_reference, |axis| base::input_gain(&base_terms, axis));
+    let gains = effectiveness::of(&found.refitted.chosen, search.nominal, subject);
+    let denied = denied::denied(&by_reference, |axis| gains[axis.index()].filter(|_| search.has_base()));
     let holding = holding::holding(shooting);
-    let warnings = evidence::warnings::warnings(&base_terms, &denied, &holding, &horizons);
-    let verdict = match (denied.as_slice(), holding.as_slice()) {
-        ([], []) => Verdict::of(&findings, &base_terms, &unexplained, &statistics),
-        ([], _) => Verdict::of_holding(&findings, &base_terms),
-        _ => Verdict::NotShown,
+    let lateness_s = lateness::together_s(search, &found.refitted.chosen);
+    let shown =
+        Shown { base: &base_terms, by_reference: &by_reference, denied: &denied, holding: &holding, lateness_s };
+    let warnings = evidence::warnings::warnings(&shown, &horizons);
+    let is_possible = verdict::is_possible(&base_terms, !holding.is_empty(), lateness_s);
+    let verdict = match (is_possible && denied.is_empty(), holding.is_empty()) {
+        (false, _) => Verdict::NotShown,
+        (true, true) => Verdict::of(&findings, &base_terms, &unexplained, &statistics),
+        (true, false) => Verdict::of_holding(&findings, &base_terms),
     };
     let [nominal_model, _, extended_model] = &driven;
     let (conditions, spectra) = evidence::conditions::conditions(
@@ -358,7 +365,7 @@ fn answer<'e>(
         verdict,
         known: Vec::new(),
         base: base_terms,
-        lateness_s: lateness::together_s(search, &found.refitted.chosen),
+        lateness_s,
         holding,
         lasting_gains: search.lasting_gains.clone(),
         by_reference,

@@ -13,6 +13,7 @@ use super::lateness::count_lateness;
 use super::search::{SEPARABLE, Search};
 use super::stability::Stability;
 use super::{ChannelStatistics, Unexplained};
+use crate::axis::Axis;
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::{Effect, Origin};
@@ -91,6 +92,11 @@ const FLOOR_FACTOR_MAX: f64 = 1.3;
 const NEGLIGIBLE_PCT: f64 = 0.5;
 /// Standard deviations that an axis' input gain must be off zero to be one.
 const ANSWERS_FROM: f64 = 2.0;
+/// So many below zero it is that of an axis which answers the wrong way round: one in a thousand by chance.
+const REVERSED_FROM: f64 = 3.0;
+/// No motor with its propeller turns a vehicle earlier than this, s: those of the smallest racing quadrotors take 10 ms
+/// by themselves.
+pub(super) const QUICKEST_S: f64 = 0.01;
 /// Share of the excited channels in which a model must be better than the mean of the measurements.
 const FITTED_MIN: f64 = 0.75;
 
@@ -100,6 +106,7 @@ impl Verdict {
         !matches!(self, Verdict::NotAModel | Verdict::NotShown)
     }
 
+    /// Of base models that no vehicle contradicts ([`is_possible`]).
     pub(super) fn of(
         findings: &[Finding],
         base: &[BaseTerm],
@@ -133,6 +140,28 @@ impl Verdict {
             (true, false) => Verdict::PartlyExplained,
         }
     }
+}
+
+/// Can it be a vehicle? It turns about roll and pitch as its commands have it, and where they hold against a disturbance
+/// not before its motors can: such a fit has taken the controller's answer to the motion for the motion's cause.
+pub(super) fn is_possible(base: &[BaseTerm], holds: bool, lateness_s: Option<Estimate>) -> bool {
+    let turns_back = base.iter().any(|term| term.axis != Some(Axis::Yaw.name()) && reversed_gain(term).is_some());
+    !turns_back && !(holds && lateness_s.is_some_and(is_too_quick))
+}
+
+/// The input gain of an axis that surely answers the wrong way round.
+pub(super) fn reversed_gain(term: &BaseTerm) -> Option<Estimate> {
+    let gain = term.parameters.values().next().filter(|_| term.effect == "input_gain")?;
+    is_reversed(*gain).then_some(*gain)
+}
+
+pub(super) fn is_reversed(gain: Estimate) -> bool {
+    gain.value < -REVERSED_FROM * gain.std
+}
+
+/// Is a lag with its delay surely less than that of any motor with a propeller?
+pub(super) fn is_too_quick(lateness_s: Estimate) -> bool {
+    lateness_s.value + ANSWERS_FROM * lateness_s.std < QUICKEST_S
 }
 
 /// Does an axis surely follow its command? What has no gain to fit has a model that says so.
@@ -370,5 +399,24 @@ mod tests {
         // a vehicle that hardly moved is neither
         let still = ChannelStatistics { moved: false, ..channel(-50.0, false) };
         assert_eq!(verdict(&[still]), Verdict::UnknownEffect);
+    }
+
+    #[test]
+    fn no_vehicle_flies_against_its_commands_or_before_its_motors_turn() {
+        let gain = |axis, value| BaseTerm {
+            effect: "input_gain",
+            axis: Some(axis),
+            parameters: BTreeMap::from([("gain_rad_s2", Estimate { value, std: 20.0 })]),
+            ordinary: true,
+            extension: None,
+        };
+        let [ahead, back] = [[gain("pitch", 200.0)], [gain("pitch", -200.0)]];
+        assert!(is_possible(&ahead, false, None) && !is_possible(&back, false, None));
+        // propellers may turn the other way round
+        assert!(is_possible(&[gain("yaw", -200.0)], false, None));
+        let late = |value| Some(Estimate { value, std: 0.001 });
+        assert!(is_possible(&ahead, true, late(0.02)) && !is_possible(&ahead, true, late(0.006)));
+        // without a disturbance it may be anything's, a simulation's without a lag too
+        assert!(is_possible(&ahead, false, late(0.0)));
     }
 }

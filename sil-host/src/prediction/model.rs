@@ -12,7 +12,7 @@ use crate::prediction::force_track::{Commands, ForceAndSpin, ForceTrack, Step};
 use crate::prediction::past::Past;
 use crate::prediction::scene::{Passing, Scene};
 use crate::vehicle::propulsion::Propulsion;
-use crate::vehicle::{Airframe, Changes, NominalBody};
+use crate::vehicle::{Airframe, Changes, NominalBody, signed_sums};
 
 /// Most parts of a step of the body in which dry friction turns round, a millisecond or two each.
 const DRY_PARTS: f64 = 8.0;
@@ -321,6 +321,16 @@ impl Model {
             let (less, more) = (acceleration(&less), acceleration(&more));
             core::array::from_fn(|axis| (more[axis] - less[axis]) / (2.0 * STEP))
         })
+    }
+
+    /// What one unit of an axis' command adds to its angular acceleration, rad/s^2: of a vehicle around a command of all
+    /// motors, each of which has half of an axis' command.
+    pub(crate) fn acceleration_per_axis_command(&self, around: f64) -> [f64; 3] {
+        if let Body::Axes { gain_rad_s2, .. } = &self.body {
+            return *gain_rad_s2;
+        }
+        let by_motor = self.acceleration_per_command(&[around; 4]);
+        Axis::ALL.map(|axis| 0.5 * signed_sums(by_motor.map(|of_motor| of_motor[axis.index()]))[axis.index()])
     }
 
     /// The four forces once lag and motors have settled, each motor's own factor in them; a battery is as at the start.

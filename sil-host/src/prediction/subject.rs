@@ -67,7 +67,8 @@ impl Subject<'_> {
         self.is_vehicle() || direct_input(log) != DirectInput::Axes
     }
 
-    fn base_command(&self) -> Option<f64> {
+    /// The command of all motors around which a vehicle's model holds; separate axes have none.
+    pub(crate) fn base_command(&self) -> Option<f64> {
         match self {
             Subject::Vehicle(model) => Some(model.base_command),
             Subject::Axes | Subject::Bench(_) => None,

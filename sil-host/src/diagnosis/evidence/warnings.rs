@@ -1,25 +1,34 @@
 //! What a reader of the numbers must know before he uses them, a sentence each.
 
 use super::horizons::Horizon;
+use crate::axis::Axis;
 use crate::diagnosis::Holding;
 use crate::diagnosis::base::BaseTerm;
+use crate::diagnosis::estimate::Estimate;
+use crate::diagnosis::verdict::{self, QUICKEST_S};
+use crate::log::sanity::ByReference;
 use crate::prediction::WINDOW_S;
 
 /// Share by which a base model must miss a channel by more than the nominal one for that to be said.
 const HARM_FROM: f64 = 0.1;
-/// So many standard deviations below zero a gain is that of an axis which answers the wrong way round: one in a
-/// thousand by chance.
-const REVERSED_FROM: f64 = 3.0;
+/// What an answer says of a vehicle and its commands.
+pub(in crate::diagnosis) struct Shown<'a> {
+    pub(in crate::diagnosis) base: &'a [BaseTerm],
+    pub(in crate::diagnosis) by_reference: &'a [ByReference],
+    /// In words.
+    pub(in crate::diagnosis) denied: &'a [String],
+    pub(in crate::diagnosis) holding: &'a [Holding],
+    /// Lag and delay together, s.
+    pub(in crate::diagnosis) lateness_s: Option<Estimate>,
+}
 
-/// Of a base model's numbers, of those that are denied, in words, and of what they predict.
-pub(in crate::diagnosis) fn warnings(
-    base: &[BaseTerm],
-    denied: &[String],
-    holding: &[Holding],
-    horizons: &[Horizon],
-) -> Vec<String> {
+/// Of a base model's numbers, of those that are denied, and of what they predict; last what the commands hold against.
+pub(in crate::diagnosis) fn warnings(shown: &Shown<'_>, horizons: &[Horizon]) -> Vec<String> {
+    let Shown { base, by_reference, denied, holding, lateness_s } = shown;
     let harm = if holding.is_empty() { harm(base, horizons) } else { holds(holding) };
-    base.iter().filter_map(reversed).chain(held(denied)).chain(harm).collect()
+    let too_quick = lateness_s.filter(|_| !holding.is_empty()).and_then(too_quick);
+    let reversed = Axis::ALL.into_iter().filter_map(|axis| reversed(axis.name(), base, by_reference));
+    reversed.chain(held(denied)).chain(too_quick).chain(harm).collect()
 }
 
 /// What commands hold against.
@@ -47,20 +56,33 @@ fn held(denied: &[String]) -> Option<String> {
     })
 }
 
-/// An axis that turns against its command.
-fn reversed(term: &BaseTerm) -> Option<String> {
-    let gain = term.parameters.values().next().filter(|_| term.effect == "input_gain")?;
-    let axis = term.axis?;
-    let likely = match axis {
-        "yaw" => "motors that turn the other way round than assumed (propellers out), or a yaw of the other sign",
-        _ => "motors in another order than assumed, or a rate of the other sign",
-    };
-    (gain.value < -REVERSED_FROM * gain.std).then(|| {
+/// Commands that nothing can follow so early.
+fn too_quick(lateness_s: Estimate) -> Option<String> {
+    let [own, least] = [lateness_s.value, QUICKEST_S].map(|late_s| 1e3 * late_s);
+    verdict::is_too_quick(lateness_s).then(|| {
         format!(
-            "The input gain of {axis} is negative ({gain}): the vehicle seems to turn against its command. No vehicle \
-             that flies does; likely are {likely}, and what is said of {axis} is not to be relied on."
+            "Lag and delay together are {own:.1} ms, and no motor turns a vehicle within {least:.0}: what was fitted is \
+             how the controller answers the motion, and its numbers are not to be relied on."
         )
     })
+}
+
+/// An axis that turns against its command, by all motion or by what follows from the stick.
+fn reversed(axis: &'static str, base: &[BaseTerm], by_reference: &[ByReference]) -> Option<String> {
+    let own = base.iter().filter(|term| term.axis == Some(axis)).find_map(verdict::reversed_gain);
+    let by_stick = || {
+        let of = by_reference.iter().find(|of| of.axis == axis)?;
+        verdict::is_reversed(Estimate { value: of.gain_rad_s2, std: of.std_rad_s2 }).then(|| of.to_string())
+    };
+    let gain = own.map(|gain| gain.to_string()).or_else(by_stick)?;
+    let likely = match axis {
+        "yaw" => "motors that turn the other way round than assumed (propellers out), or a yaw of the other sign",
+        _ => "motors in another order than assumed, a rate of the other sign, or a vehicle that stood, lay or hung",
+    };
+    Some(format!(
+        "The input gain of {axis} is negative ({gain}): the vehicle seems to turn against its command. No vehicle that \
+         flies does; likely are {likely}, and what is said of {axis} is not to be relied on."
+    ))
 }
 
 /// Where the base model predicts worse than the nominal one does, over the length that is compared.
@@ -82,7 +104,12 @@ fn harm(base: &[BaseTerm], horizons: &[Horizon]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::Estimate;
+
+    fn said(base: &[BaseTerm], by_reference: &[ByReference], lateness_s: Option<Estimate>, holds: bool) -> Vec<String> {
+        let held = Holding { axis: "roll", std_rad_s2: 8.0, memory_s: 1.0 };
+        let holding = if holds { &[held][..] } else { &[] };
+        warnings(&Shown { base, by_reference, denied: &[], holding, lateness_s }, &[])
+    }
 
     #[test]
     fn an_axis_that_surely_turns_against_its_command_is_named() {
@@ -93,10 +120,25 @@ mod tests {
             ordinary: true,
             extension: None,
         };
-        let said =
-            warnings(&[gain("roll", 90.0, 2.0), gain("pitch", -90.0, 40.0), gain("yaw", -111.0, 36.0)], &[], &[], &[]);
-        assert!(said.len() == 1 && said[0].contains("of yaw is negative (-111 +- 36)"), "{said:?}");
+        let base = [gain("roll", 90.0, 2.0), gain("pitch", -90.0, 40.0), gain("yaw", -111.0, 36.0)];
+        let of_base = said(&base, &[], None, false);
+        assert!(of_base.len() == 1 && of_base[0].contains("of yaw is negative (-111 +- 36)"), "{of_base:?}");
         let bias = BaseTerm { effect: "torque_bias", ..gain("roll", -90.0, 2.0) };
-        assert_eq!(warnings(&[bias], &[], &[], &[]), Vec::<String>::new());
+        assert_eq!(said(&[bias], &[], None, false), Vec::<String>::new());
+        // what a fit does not show the stick may
+        let stick = ByReference { axis: "pitch", by_stick: true, gain_rad_s2: -108.0, std_rad_s2: 18.0, late_s: 0.04 };
+        let by_stick = said(&base[..2], &[stick], None, false);
+        assert!(by_stick.len() == 1 && by_stick[0].contains("-108 +- 18 rad/s^2 by the stick"), "{by_stick:?}");
+    }
+
+    #[test]
+    fn commands_that_act_before_any_motor_can_are_named_where_they_hold_against_a_disturbance() {
+        let late = |value, std| Some(Estimate { value, std });
+        let quick = said(&[], &[], late(0.0059, 0.0006), true);
+        assert!(quick.len() == 2 && quick[0].contains("together are 5.9 ms"), "{quick:?}");
+        for (lateness_s, holds) in [(late(0.0059, 0.0030), true), (late(0.0059, 0.0006), false), (None, true)] {
+            let other = said(&[], &[], lateness_s, holds);
+            assert!(other.iter().all(|sentence| !sentence.contains("together")), "{lateness_s:?}: {other:?}");
+        }
     }
 }

@@ -86,6 +86,22 @@ impl<'e> Fit<'e> {
         if scattered.is_finite() { scattered.max(self.left_out.variance_along(slope)) } else { f64::INFINITY }
     }
 
+    /// Per parameter of the fit, by how much some numbers that follow from its terms change with it.
+    pub(in crate::diagnosis) fn slopes_of(&self, of_terms: impl Fn(&[Term<'e>]) -> Vec<f64>) -> Vec<Vec<f64>> {
+        let steps = self.terms.iter().flat_map(|term| term.effect.unknowns()).map(|unknown| unknown.step);
+        let along = |(place, step): (usize, f64)| {
+            // a number at the end of its range moves the other way
+            let by = |by: f64| {
+                let mut all = vec![0.0; self.size()];
+                all[place] = by;
+                of_terms(&moved(&self.terms, &all))
+            };
+            let (less, more) = (by(-step), by(step));
+            less.iter().zip(&more).map(|(less, more)| (more - less) / (2.0 * step)).collect()
+        };
+        steps.enumerate().map(along).collect()
+    }
+
     /// Variance of one of a term's parameters.
     pub(in crate::diagnosis) fn variance_of(&self, term: usize, parameter: usize) -> f64 {
         let mut slope = vec![0.0; self.size()];

@@ -5,10 +5,11 @@ use super::numbers::{Identified, STEPS, UNKNOWN_FROM};
 use super::seen;
 use crate::axis::Axis;
 use crate::diagnosis::base;
+use crate::diagnosis::effectiveness;
 use crate::diagnosis::estimate::Estimate;
 use crate::diagnosis::fitted::per_unit_inertia;
 use crate::diagnosis::fitting::fit::{Term, as_terms};
-use crate::diagnosis::holding;
+use crate::diagnosis::holding::{self, Holding};
 use crate::diagnosis::lateness::{count_lateness, together_s};
 use crate::diagnosis::progress::{Observer, Progress};
 use crate::diagnosis::search::Search;
@@ -26,6 +27,8 @@ pub struct BenchIdentification {
     pub numbers: Vec<Identified>,
     /// The logs, and what was used of them.
     pub source: String,
+    /// Disturbances that last, where the commands hold against such: the fit counts with them.
+    pub holding: Vec<Holding>,
 }
 
 /// Identifies separate axes from the logs of one bench.
@@ -66,10 +69,7 @@ pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<Be
     };
     let search = search.from(&base, &[]);
     let fit = search.refitted(base.terms, &base.starts);
-    // open loop says nothing of an axis whose commands hold against a disturbance: how sure its gain is must do
-    let holds = Axis::ALL.map(|axis| search.shooting.lasting_about(axis).is_some());
     let seen = seen::axes(&search, &fit);
-    let seen = [0, 1, 2].map(|axis| seen[axis] || holds[axis]);
     let mut model = BenchModel { name: super::name_of(log), ..BenchModel::default() };
     let mut numbers = Vec::new();
     for (index, term) in fit.terms.iter().enumerate() {
@@ -80,15 +80,15 @@ pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<Be
             numbers.push(number(term, per_unit_inertia(name), own, seen));
         }
     }
-    let gain = |axis: &str| numbers.iter().find(|number| number.name == format!("{axis}_input_gain"));
-    super::refuse_denied(&joined, |axis| gain(axis).map(|gain| gain.own))?;
+    super::refuse_denied(&joined, &effectiveness::of(&fit, &nominal, &subject))?;
     numbers.extend(together_s(&search, &fit).map(|own| Identified {
         name: "lag_and_delay_s".to_owned(),
         unit: "s",
         own,
         to_fly: None,
     }));
-    Ok(BenchIdentification { model, numbers, source: super::source(logs, &joined) })
+    let holding = holding::holding(search.shooting);
+    Ok(BenchIdentification { model, numbers, source: super::source(logs, &joined), holding })
 }
 
 /// The starts of one of two fits, counted among those of both.
@@ -146,6 +146,9 @@ impl BenchIdentification {
     /// The model as text that reads back to the same numbers, with what is known of each above it.
     pub fn to_toml(&self) -> String {
         let mut text = super::head(&self.source);
+        for held in &self.holding {
+            text.push_str(&format!("# Commands hold against what no log shows, and the fit counts with it: {held}.\n"));
+        }
         for number in &self.numbers {
             text.push_str(&format!("#   {}: {}\n", number.name, number.in_words()));
         }

@@ -7,6 +7,8 @@ use super::numbers::{self, Identified};
 use super::seen;
 use crate::axis::Axis;
 use crate::diagnosis::base;
+use crate::diagnosis::effectiveness;
+use crate::diagnosis::estimate::Estimate;
 use crate::diagnosis::extension::model_with_terms;
 use crate::diagnosis::fitted::{Fitted, LAG_AND_DELAY_S};
 use crate::diagnosis::fitting::fit::Term;
@@ -44,6 +46,14 @@ fn is_inertia(effect: &Fitted, axis: Axis) -> bool {
 pub(super) struct Rough {
     model: VehicleModel,
     values: Vec<Vec<f64>>,
+}
+
+impl Rough {
+    /// The first of the unknowns, or all, with their values.
+    fn terms<'e>(&self, unknowns: &'e [Fitted]) -> Vec<Term<'e>> {
+        let pairs = unknowns.iter().zip(&self.values);
+        pairs.map(|(effect, values)| Term { effect, values: values.clone() }).collect()
+    }
 }
 
 /// The effects that are fitted, the curve of thrust first.
@@ -89,28 +99,29 @@ pub(super) fn rough(log: &Log, start: &VehicleModel, observer: Observer<'_>) -> 
     Ok(Rough { model: with_assumed_yaw(folded(start, &fit.terms)), values: values.collect() })
 }
 
-/// The fit in the noise of all that the model does not know, the commands between rows as the log shows them; the model
-/// with everything in it, and its numbers.
-pub(super) fn fine(
-    log: &Log,
-    rough: &Rough,
-    observer: Observer<'_>,
-) -> Result<(VehicleModel, Vec<Identified>), NotIdentified> {
+/// An identified vehicle.
+pub(super) struct Fine {
+    /// With everything in it.
+    pub(super) model: VehicleModel,
+    pub(super) numbers: Vec<Identified>,
+    /// Angular acceleration per unit of each axis' command, rad/s^2.
+    pub(super) gains: [Option<Estimate>; 3],
+}
+
+/// The fit in the noise of all that the model does not know, the commands between rows as the log shows them.
+pub(super) fn fine(log: &Log, rough: &Rough, observer: Observer<'_>) -> Result<Fine, NotIdentified> {
     let are_done = |fits: usize| observer(identifying(LAG_AND_DELAY_S.len() + fits));
     are_done(0);
     let subject = Subject::Vehicle(&rough.model);
     let unknowns = unknowns(&subject.scope(log), rough.model.base_command);
-    let terms = || -> Vec<Term<'_>> {
-        let pairs = unknowns.iter().zip(&rough.values);
-        pairs.map(|(effect, values)| Term { effect, values: values.clone() }).collect()
-    };
     let nominal = || subject.model(log);
     let sampled = Sampled::new(log, &subject, None)?;
-    let (search, found) = sampled.nominal(|shooting| Search::new(shooting, &nominal, &[], terms(), &|_| ()));
+    let (search, found) =
+        sampled.nominal(|shooting| Search::new(shooting, &nominal, &[], rough.terms(&unknowns), &|_| ()));
     are_done(1);
     let shooting = base::in_noise_of(log, &subject, &search, &found.fit, Disturbance::White)?;
     are_done(2);
-    let search = Search::new(&shooting, &nominal, &[], terms(), &|_| ());
+    let search = Search::new(&shooting, &nominal, &[], rough.terms(&unknowns), &|_| ());
     let fit = search.refitted(found.fit.terms, &found.fit.starts);
     are_done(3);
     let seen = seen::axes(&search, &fit);
@@ -121,10 +132,11 @@ pub(super) fn fine(
         return Err(NotIdentified::Quiet(Box::new(super::ShownFlight::of(log))));
     }
     let numbers = numbers::of(&fit, &shooting, &nominal, rough.model.base_command, seen);
+    let gains = effectiveness::of(&fit, &nominal, &subject);
     let others: Vec<Term<'_>> =
         fit.terms.iter().filter(|term| !is_own(term.effect)).map(|term| even(term, &fit.terms)).collect();
     let model = folded(&rough.model, &fit.terms);
     let model = model_with_terms(&model, &in_unit_of(model_mass(&fit.terms), others))
         .map_err(|problem| NotIdentified::Impossible(problem.to_string()))?;
-    Ok((model, numbers))
+    Ok(Fine { model, numbers, gains })
 }

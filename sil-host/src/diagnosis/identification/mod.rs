@@ -27,13 +27,12 @@ mod start;
 use super::denied::denied;
 use super::estimate::Estimate;
 use super::progress::Observer;
-use crate::axis::Axis;
 use crate::log::sanity::by_reference;
 use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;
-use crate::vehicle::signed_sums;
 pub use bench::{BenchIdentification, identify_axes, identify_axes_observed};
+use fitting::Fine;
 pub use mismatch::mismatch;
 pub use numbers::{Identified, effectiveness_rad_s2, manoeuvres_for};
 pub use shown_flight::ShownFlight;
@@ -121,27 +120,20 @@ pub fn identify_observed(
     let log = thinned.as_ref().unwrap_or(&joined);
     let start = start::vehicle(log, scale)?;
     let rough = fitting::rough(log, &start, observer)?;
-    let (model, numbers) = fitting::fine(log, &rough, observer)?;
+    let Fine { model, numbers, gains: [roll, pitch, _] } = fitting::fine(log, &rough, observer)?;
     if numbers.iter().filter(|number| number.is_of_tilt()).all(|number| number.to_fly.is_some()) {
         return Err(NotIdentified::Quiet(Box::new(ShownFlight::of(log))));
     }
     let model = VehicleModel::parse(&model.to_toml(), "the identified model")
         .map_err(|error| NotIdentified::Impossible(error.to_string()))?;
-    refuse_denied(&joined, |axis| gain_rad_s2(&model, axis))?;
+    // about yaw rotors turn a vehicle while they gain speed, too
+    refuse_denied(&joined, &[roll, pitch, None])?;
     Ok(Identification { model, numbers, scale, source: source(logs, &joined) })
 }
 
-/// The angular acceleration of a model per unit of what turns it about roll or pitch, at the command that holds it.
-fn gain_rad_s2(model: &VehicleModel, axis: &str) -> Option<Estimate> {
-    let axis = [Axis::Roll, Axis::Pitch].into_iter().find(|tilt| tilt.name() == axis)?.index();
-    let by_motor = effectiveness_rad_s2(model, model.base_command).map(|of_motor| of_motor[axis]);
-    // a motor has half of an axis' command
-    Some(Estimate { value: 0.5 * signed_sums(by_motor)[axis], std: 0.0 })
-}
-
 /// Refuses gains that what follows from the log's references surely denies.
-fn refuse_denied(log: &Log, fitted: impl Fn(&str) -> Option<Estimate>) -> Result<(), NotIdentified> {
-    match denied(by_reference(log).iter().flatten(), fitted).as_slice() {
+fn refuse_denied(log: &Log, gains: &[Option<Estimate>; 3]) -> Result<(), NotIdentified> {
+    match denied(by_reference(log).iter().flatten(), |axis| gains[axis.index()]).as_slice() {
         [] => Ok(()),
         denied => Err(NotIdentified::Held(denied.join("; "))),
     }

@@ -7,7 +7,7 @@ use super::folding::mean_lift;
 use crate::axis::Axis;
 use crate::diagnosis::base;
 use crate::diagnosis::estimate::Estimate;
-use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of, moved};
+use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::lateness::held_std_s;
 use crate::diagnosis::verdict::model_error;
@@ -82,19 +82,7 @@ pub(super) fn of(
 ) -> Vec<Identified> {
     let values = |terms: &[Term<'_>]| derived(terms, &model_of(nominal, terms), command);
     let here = values(&fit.terms);
-    let numbers = fit.terms.iter().flat_map(|term| term.effect.unknowns());
-    let steps: Vec<f64> = numbers.map(|unknown| unknown.step).collect();
-    let slopes: Vec<Vec<f64>> = (0..steps.len())
-        .map(|place| {
-            // a number at the end of its range moves the other way
-            let along = |by: f64| {
-                let step: Vec<f64> = (0..steps.len()).map(|other| if other == place { by } else { 0.0 }).collect();
-                values(&moved(&fit.terms, &step))
-            };
-            let (less, more) = (along(-steps[place]), along(steps[place]));
-            less.iter().zip(&more).map(|(less, more)| (more.value - less.value) / (2.0 * steps[place])).collect()
-        })
-        .collect();
+    let slopes = fit.slopes_of(|terms| values(terms).iter().map(|one| one.value).collect());
     let model_error = model_error(&shooting.log);
     let half_row_s = held_std_s(&shooting.log.commands);
     let finish = |(at, one): (usize, Derived)| {

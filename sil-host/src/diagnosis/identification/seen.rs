@@ -1,6 +1,7 @@
 //! Does the fitted model know how an axis turns? Over a tenth of a second it must be nearer to the measured rate than a
 //! vehicle that nothing turns, on windows that it was not fitted to. A fit of what is no such vehicle has narrow
-//! intervals and none of that.
+//! intervals and none of that. Of an axis whose commands hold against a disturbance that says nothing (`holding`): how
+//! sure its gain is must do.
 
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, model_of};
@@ -20,6 +21,9 @@ pub(super) fn axes<'e>(search: &Search<'e>, fit: &Fit<'e>) -> [bool; 3] {
     let windows = Window::of_length(log.rows(), &search.windows(&search.report), HORIZON_S);
     let predicted = predict(log, &driven, &windows);
     Axis::ALL.map(|axis| {
+        if search.shooting.lasting_about(axis).is_some() {
+            return true;
+        }
         let rate = Channel::Rate(axis);
         let channel = if log.measured(rate).is_some() { rate } else { Channel::Angle(axis) };
         let Some(measured) = log.measured(channel) else { return false };
