@@ -341,18 +341,13 @@ fn answer<'e>(
     let base_terms = base::terms(search, found);
     let by_reference: Vec<ByReference> = by_reference(log.commanding()).into_iter().flatten().collect();
     let gains = effectiveness::of(&found.refitted.chosen, search.nominal, subject);
-    let denied = denied::denied(&by_reference, |axis| gains[axis.index()].filter(|_| search.has_base()));
+    let denied = denied::denied(&by_reference, &gains.map(|gain| gain.filter(|_| search.has_base())));
     let holding = holding::holding(shooting);
     let lateness_s = lateness::together_s(search, &found.refitted.chosen);
     let shown =
         Shown { base: &base_terms, by_reference: &by_reference, denied: &denied, holding: &holding, lateness_s };
     let warnings = evidence::warnings::warnings(&shown, &horizons);
-    let is_possible = verdict::is_possible(&base_terms, !holding.is_empty(), lateness_s);
-    let verdict = match (is_possible && denied.is_empty(), holding.is_empty()) {
-        (false, _) => Verdict::NotShown,
-        (true, true) => Verdict::of(&findings, &base_terms, &unexplained, &statistics),
-        (true, false) => Verdict::of_holding(&findings, &base_terms),
-    };
+    let verdict = Verdict::of_shown(&shown, &findings, &unexplained, &statistics);
     let [nominal_model, _, extended_model] = &driven;
     let (conditions, spectra) = evidence::conditions::conditions(
         &shooting.log,

@@ -15,6 +15,7 @@ use super::stability::Stability;
 use super::{ChannelStatistics, Unexplained};
 use crate::axis::Axis;
 use crate::diagnosis::evidence::bootstrap::Gain;
+use crate::diagnosis::evidence::warnings::Shown;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::{Effect, Origin};
 use crate::prediction::windowed_log::WindowedLog;
@@ -106,13 +107,23 @@ impl Verdict {
         !matches!(self, Verdict::NotAModel | Verdict::NotShown)
     }
 
-    /// Of base models that no vehicle contradicts ([`is_possible`]).
-    pub(super) fn of(
+    /// Of an answer: nothing is shown by gains that are denied, or that no vehicle has.
+    pub(super) fn of_shown(
+        shown: &Shown<'_>,
         findings: &[Finding],
-        base: &[BaseTerm],
         left: &Unexplained,
         statistics: &[ChannelStatistics],
     ) -> Verdict {
+        let Shown { base, denied, holding, lateness_s, .. } = shown;
+        let holds = !holding.is_empty();
+        match is_possible(base, holds, *lateness_s) && denied.is_empty() {
+            false => Verdict::NotShown,
+            true if holds => Verdict::of_holding(findings, base),
+            true => Verdict::of(findings, base, left, statistics),
+        }
+    }
+
+    fn of(findings: &[Finding], base: &[BaseTerm], left: &Unexplained, statistics: &[ChannelStatistics]) -> Verdict {
         let is_negligible = left.signature.is_empty() || !left.cancelling && left.variance_pct < NEGLIGIBLE_PCT;
         let has_fit = |of: &&ChannelStatistics| of.extended.agreement.fit_pct.is_some_and(|fit| fit > 0.0);
         let is_fitted = |of: &[&ChannelStatistics]| {
@@ -133,7 +144,7 @@ impl Verdict {
 
     /// Of commands that hold against a disturbance. Nothing open loop says what a model is worth there, and what moves
     /// the vehicle beside its commands is in no catalogue.
-    pub(super) fn of_holding(findings: &[Finding], base: &[BaseTerm]) -> Verdict {
+    fn of_holding(findings: &[Finding], base: &[BaseTerm]) -> Verdict {
         match (answers(base), findings.is_empty()) {
             (false, _) => Verdict::NotShown,
             (true, true) => Verdict::UnknownEffect,
@@ -142,11 +153,12 @@ impl Verdict {
     }
 }
 
-/// Can it be a vehicle? It turns about roll and pitch as its commands have it, and where they hold against a disturbance
-/// not before its motors can: such a fit has taken the controller's answer to the motion for the motion's cause.
-pub(super) fn is_possible(base: &[BaseTerm], holds: bool, lateness_s: Option<Estimate>) -> bool {
+/// Can it be a vehicle? It turns about roll and pitch as its commands have it, and where they hold against a
+/// disturbance not before its motors can: such a fit has taken the controller's answer to the motion for the motion's
+/// cause.
+fn is_possible(base: &[BaseTerm], holds: bool, lateness_s: Option<Estimate>) -> bool {
     let turns_back = base.iter().any(|term| term.axis != Some(Axis::Yaw.name()) && reversed_gain(term).is_some());
-    !turns_back && !(holds && lateness_s.is_some_and(is_too_quick))
+    !(turns_back || holds && lateness_s.is_some_and(is_too_quick))
 }
 
 /// The input gain of an axis that surely answers the wrong way round.

@@ -323,8 +323,8 @@ impl Model {
         })
     }
 
-    /// What one unit of an axis' command adds to its angular acceleration, rad/s^2: of a vehicle around a command of all
-    /// motors, each of which has half of an axis' command.
+    /// What one unit of an axis' command adds to its angular acceleration, rad/s^2: of a vehicle around a command of
+    /// all motors, each of which has half of an axis' command.
     pub(crate) fn acceleration_per_axis_command(&self, around: f64) -> [f64; 3] {
         if let Body::Axes { gain_rad_s2, .. } = &self.body {
             return *gain_rad_s2;

@@ -61,8 +61,8 @@ fn too_quick(lateness_s: Estimate) -> Option<String> {
     let [own, least] = [lateness_s.value, QUICKEST_S].map(|late_s| 1e3 * late_s);
     verdict::is_too_quick(lateness_s).then(|| {
         format!(
-            "Lag and delay together are {own:.1} ms, and no motor turns a vehicle within {least:.0}: what was fitted is \
-             how the controller answers the motion, and its numbers are not to be relied on."
+            "Lag and delay together are {own:.1} ms, and no motor turns a vehicle within {least:.0}: what was fitted \
+             is how the controller answers the motion, and its numbers are not to be relied on."
         )
     })
 }

@@ -133,7 +133,7 @@ pub fn identify_observed(
 
 /// Refuses gains that what follows from the log's references surely denies.
 fn refuse_denied(log: &Log, gains: &[Option<Estimate>; 3]) -> Result<(), NotIdentified> {
-    match denied(by_reference(log).iter().flatten(), |axis| gains[axis.index()]).as_slice() {
+    match denied(by_reference(log).iter().flatten(), gains).as_slice() {
         [] => Ok(()),
         denied => Err(NotIdentified::Held(denied.join("; "))),
     }
