@@ -32,7 +32,7 @@ pub(crate) fn turning(x: &State) -> Turning {
 pub(crate) enum Body {
     Gimbal { airframe: Airframe, gimbal: Gimbal },
     Free { airframe: Airframe, body: FreeBody },
-    Axes { gain_rad_s2: [f64; 3], input: DirectInput, turns_as_one: bool },
+    Axes { gain_rad_s2: [f64; 3], input: DirectInput },
 }
 
 impl Body {
@@ -73,8 +73,8 @@ impl Body {
         by_air: [f64; 3],
     ) -> Turning {
         let (roll, separate) = match self {
-            Body::Axes { turns_as_one, .. } => {
-                let needed = *turns_as_one || !moments.is_empty();
+            Body::Axes { .. } => {
+                let needed = !moments.is_empty();
                 ((0.0, 1.0), needed.then(|| [libm::sincos(x[0]), libm::sincos(x[1])]))
             }
             Body::Gimbal { .. } | Body::Free { .. } => (libm::sincos(x[0]), None),
@@ -93,13 +93,10 @@ impl Body {
             Body::Free { airframe, body } => {
                 free(body, roll, libm::sincos(x[1]), rate, airframe.torque_body_nm(force), moment)
             }
-            Body::Axes { gain_rad_s2, input, turns_as_one } => {
+            Body::Axes { gain_rad_s2, input } => {
                 let command = input.about_axes(force);
                 let acceleration = |i: usize| gain_rad_s2[i] * command[i] + moment[i];
-                let [a, b, c] = match separate {
-                    Some([roll, pitch]) if *turns_as_one => euler_rates_rad_s(roll, pitch, rate),
-                    _ => rate,
-                };
+                let [a, b, c] = rate;
                 [a, b, c, acceleration(0), acceleration(1), acceleration(2)]
             }
         }
@@ -221,40 +218,4 @@ fn free(
     let on = core::array::from_fn(|axis| torque[axis] + moment[axis]);
     let [d, e, f] = body.angular_acceleration_rad_s2(rate, on);
     [a, b, c, d, e, f]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::{Rotation3, Vector3};
-
-    /// Angles of axes after half a second at constant rates.
-    fn turned(turns_as_one: bool, start: [f64; 3], rate_rad_s: [f64; 3]) -> [f64; 3] {
-        let body = Body::Axes { gain_rad_s2: [0.0; 3], input: DirectInput::Axes, turns_as_one };
-        let [roll, pitch, yaw] = start;
-        let [p, q, r] = rate_rad_s;
-        let mut state = [roll, pitch, yaw, p, q, r];
-        let at = |state: &Turning| body.derivative(0.0, state, &ForceAndSpin::default(), &[], [0.0; 3]);
-        for _ in 0..500 {
-            // the midpoint, to 1e-6 rad
-            let half: Turning = core::array::from_fn(|i| state[i] + 0.5e-3 * at(&state)[i]);
-            state = core::array::from_fn(|i| state[i] + 1e-3 * at(&half)[i]);
-        }
-        [state[0], state[1], state[2]]
-    }
-
-    #[test]
-    fn axes_of_one_body_turn_as_a_rotation_does_and_separate_ones_each_by_itself() {
-        let (start, rate) = ([0.3, -0.35, 1.2], [0.5, -0.4, 0.95]);
-        let before = Rotation3::from_euler_angles(start[0], start[1], start[2]);
-        let after = before * Rotation3::from_scaled_axis(0.5 * Vector3::from(rate));
-        let (roll, pitch, yaw) = after.euler_angles();
-        for (found, expected) in turned(true, start, rate).into_iter().zip([roll, pitch, yaw]) {
-            assert!((found - expected).abs() < 2e-6, "{found} {expected}");
-        }
-        let separate = turned(false, start, rate);
-        for axis in 0..3 {
-            assert!((separate[axis] - (start[axis] + 0.5 * rate[axis])).abs() < 1e-9);
-        }
-    }
 }

@@ -34,6 +34,7 @@ pub(crate) mod force_track;
 pub(crate) mod lost_commands;
 pub(crate) mod model;
 pub(crate) mod noise;
+mod one_body;
 mod past;
 pub(crate) mod predicted_log;
 pub(crate) mod restoring;

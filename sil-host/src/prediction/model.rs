@@ -96,14 +96,13 @@ impl Model {
         model
     }
 
-    /// Separate axes, with the input gain of each and what they are driven by; where they turn as one body's, their
-    /// angles go by Euler's kinematics.
-    pub(crate) fn of_axes(gain_rad_s2: [f64; 3], input: DirectInput, turns_as_one: bool) -> Model {
+    /// Separate axes, with the input gain of each and what they are driven by.
+    pub(crate) fn of_axes(gain_rad_s2: [f64; 3], input: DirectInput) -> Model {
         Model {
             vehicle: None,
             drive: Drive::Direct(input),
             changes: Changes::default(),
-            body: Body::Axes { gain_rad_s2, input, turns_as_one },
+            body: Body::Axes { gain_rad_s2, input },
             moments: Vec::new(),
             turns_round_rad_s: [None; 3],
             acts_by_angle: false,
@@ -168,10 +167,16 @@ impl Model {
             let is_seen = scene.shows_attitude || self.acts_by_angle;
             let change = |at_s: f64, x: &Turning, motors: &ForceAndSpin| {
                 let by_air = by_air(at_s);
-                if is_seen {
-                    return self.body.derivative(at_s, x, motors, &self.moments, by_air);
+                if !is_seen {
+                    return self.body.spinning(at_s, x, motors, &self.moments, by_air);
                 }
-                self.body.spinning(at_s, x, motors, &self.moments, by_air)
+                let mut change = self.body.derivative(at_s, x, motors, &self.moments, by_air);
+                if let Some(turn) = passing.turn(at_s, &self.changes.sensors) {
+                    for axis in 0..3 {
+                        change[axis] = turn.per_own[axis] * change[axis] + turn.by_others_rad_s[axis];
+                    }
+                }
+                change
             };
             let standing = |x: &Turning| {
                 let ([a, b, c, d, e, f], [.., north, east, down, height]) = (*x, *start);

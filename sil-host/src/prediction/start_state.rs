@@ -178,7 +178,7 @@ mod tests {
     /// Estimated less true state (angle, rate) where the second window's rows begin.
     fn start_error(log: &Log, noise: &MeasuredNoise, states: &[[f64; 2]]) -> [f64; 2] {
         let windowed = Subject::Axes.windowed(log, noise).unwrap();
-        let driven = windowed.drive(Model::of_axes([0.0, GAIN_RAD_S2, 0.0], DirectInput::Axes, false));
+        let driven = windowed.drive(Model::of_axes([0.0, GAIN_RAD_S2, 0.0], DirectInput::Axes));
         let (from, start) = windowed.window_with_start(&driven, &windowed.windows[1]);
         [start[1] - states[from.start][0], start[4] - states[from.start][1]]
     }

@@ -34,9 +34,9 @@ impl Subject<'_> {
     pub(crate) fn model(&self, log: &Log) -> Model {
         match self {
             Subject::Vehicle(vehicle) => Model::of(vehicle),
-            Subject::Axes => Model::of_axes([0.0; 3], direct_input(log), turns_as_one(log)),
+            Subject::Axes => Model::of_axes([0.0; 3], direct_input(log)),
             Subject::Bench(bench) => {
-                let mut model = Model::of_axes(bench.gains_rad_s2(), direct_input(log), turns_as_one(log));
+                let mut model = Model::of_axes(bench.gains_rad_s2(), direct_input(log));
                 bench.effects().iter().for_each(|effect| model.add(effect));
                 model
             }
@@ -193,11 +193,4 @@ impl Subject<'_> {
         };
         Ok(WindowedLog::new(log, commands, windows, noise, self.compared(log)))
     }
-}
-
-/// Does a log show how three axes turn as one body's: attitude and the rates of the body?
-fn turns_as_one(log: &Log) -> bool {
-    log.axes == [true; 3]
-        && log.rate_rad_s.iter().all(Option::is_some)
-        && log.angle_rad[..2].iter().all(Option::is_some)
 }

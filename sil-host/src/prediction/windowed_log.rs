@@ -9,6 +9,7 @@ use super::drive::Drive;
 use super::force_track::{Commands, ForceTrack};
 use super::model::{Model, track};
 use super::noise::MeasuredNoise;
+use super::one_body::{MeasuredTurn, measured_turns};
 use super::scene::Scene;
 use super::window::{Part, Window};
 use crate::axis::Axis;
@@ -57,6 +58,8 @@ pub(crate) struct WindowedLog<'a> {
     volts_lost: Vec<f64>,
     /// Per row, velocity against the air along x and y, m/s; empty where the log does not say.
     airspeed_m_s: Vec<[f64; 2]>,
+    /// Per row, how a body turns whose axes are taken one by one; empty of other logs.
+    measured_turns: Vec<MeasuredTurn>,
     measured: Vec<Measured<'a>>,
     pub(crate) windows: Vec<Window>,
     /// Accelerations that commands lost between rows leave unknown; none where none are.
@@ -94,6 +97,7 @@ impl<'a> WindowedLog<'a> {
             commands,
             volts_lost: volts_lost(log),
             airspeed_m_s: log.airspeed_m_s(),
+            measured_turns: if compared.is_vehicle { Vec::new() } else { measured_turns(log) },
             measured: compared.channels.iter().filter_map(measured).collect(),
             windows,
             lost: None,
@@ -155,6 +159,7 @@ impl<'a> WindowedLog<'a> {
             shows_travel: shows(|channel| matches!(channel, Channel::Velocity(_) | Channel::Height)),
             volts_lost: &self.volts_lost,
             airspeed_m_s: &self.airspeed_m_s,
+            measured_turns: &self.measured_turns,
         }
     }
 
