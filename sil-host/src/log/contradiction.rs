@@ -48,10 +48,8 @@ pub struct MapLine {
     pub from: Quantity,
     /// -1 where its sign is to be turned.
     pub sign: f64,
-    /// The column's name in the file.
-    pub column: String,
-    /// True where a map makes it of how fast the column changes.
-    pub is_rate: bool,
+    /// What a map says of the column, without scale and sign: `column = "x"`.
+    pub source: String,
     /// True where a map has a line for it already, which may have a sign.
     pub is_mapped: bool,
 }
@@ -60,8 +58,7 @@ impl fmt::Display for MapLine {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let is_turned = self.sign < 0.0;
         let sign = if is_turned { ", sign = -1" } else { "" };
-        let made = if self.is_rate { "rate_of" } else { "column" };
-        write!(out, "{} = {{ {made} = \"{}\"{sign} }}", self.key, self.column)?;
+        write!(out, "{} = {{ {}{sign} }}", self.key, self.source)?;
         if is_turned && self.is_mapped { write!(out, "   # or 1, where it is -1 now") } else { Ok(()) }
     }
 }

@@ -13,9 +13,10 @@
 //! pitch_deg = { column = "theta", sign = -1, scale = 1.0, offset = 0.0 }
 //! thrust_cmd = { columns = { m1 = 0.25, m2 = 0.25, m3 = 0.25, m4 = 0.25 } }   # a sum of columns, each times a number
 //! vn_m_s = { rate_of = "x" }             # a velocity: how fast a column changes
+//! roll_rad = { euler_of = ["qw", "qx", "qy", "qz"] }   # an angle of a quaternion, body to world
 //! ```
 //! A value is `sign * scale * field + offset`, in the unit of its name and the frame of the log; `field` is a column, a
-//! sum of columns, or how fast a column changes. Then the frame is turned.
+//! sum of columns, how fast a column changes, or an Euler angle. Then the frame is turned.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -25,6 +26,7 @@ use toml::Spanned;
 
 use super::Log;
 use super::error::{LogError, LogErrorKind};
+use super::mapped_column::{Made, MappedColumn, Term};
 use super::quantity::Quantity;
 use crate::axis::Axis;
 use crate::document::with_hint;
@@ -72,31 +74,6 @@ pub struct Threshold {
     pub above: f64,
 }
 
-/// How columns of the file become a quantity: the sum of each times its scale, and the offset.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct MappedColumn {
-    pub(super) quantity: Quantity,
-    /// At least one.
-    pub(super) terms: Vec<Term>,
-    pub(super) offset: f64,
-    /// True where the quantity is how fast that changes.
-    pub(super) is_rate: bool,
-}
-
-/// A column of the file and its share in a quantity.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Term {
-    pub(super) column: String,
-    pub(super) scale: f64,
-}
-
-impl MappedColumn {
-    /// The column, or all of a sum, for messages.
-    pub(super) fn called(&self) -> String {
-        self.terms.iter().map(|term| term.column.as_str()).collect::<Vec<_>>().join(" + ")
-    }
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MapFile {
@@ -116,6 +93,7 @@ struct Entry {
     column: Option<String>,
     columns: Option<BTreeMap<String, f64>>,
     rate_of: Option<String>,
+    euler_of: Option<[String; 4]>,
     #[serde(default = "one")]
     scale: f64,
     #[serde(default)]
@@ -252,28 +230,38 @@ impl MapText<'_> {
         if !entry.scale.is_finite() || entry.scale == 0.0 || !entry.offset.is_finite() {
             return fail("scale must be finite and not 0, offset finite");
         }
-        let is_rate = entry.rate_of.is_some();
-        let fields = match (entry.column, entry.columns, entry.rate_of) {
-            (Some(column), None, None) | (None, None, Some(column)) => vec![(column, 1.0)],
-            (None, Some(columns), None) if columns.values().all(|share| share.is_finite() && *share != 0.0) => {
-                columns.into_iter().collect()
+        let to_log = sign_of_frame(quantity) * factor;
+        let scale = to_log * entry.sign * entry.scale;
+        let (fields, made) = match (entry.column, entry.columns, entry.rate_of, entry.euler_of) {
+            (Some(column), None, None, None) => (vec![(column, scale)], Made::Sum),
+            (None, Some(columns), None, None) if columns.values().all(|share| share.is_finite() && *share != 0.0) => {
+                (columns.into_iter().map(|(column, share)| (column, scale * share)).collect(), Made::Sum)
             }
-            (None, Some(_), None) => return fail("each of columns must have a finite number that is not 0"),
-            _ => Vec::new(),
+            (None, Some(_), None, None) => return fail("each of columns must have a finite number that is not 0"),
+            (None, None, Some(column), None) => (vec![(column, scale)], Made::RateOf),
+            (None, None, None, Some(columns)) => {
+                // whatever the unit of the key, a quaternion's angles come in radians
+                let scale = scale / factor;
+                (columns.map(|column| (column, 1.0)).into(), Made::EulerOf { scale })
+            }
+            _ => (Vec::new(), Made::Sum),
         };
         if fields.is_empty() {
             return fail(
                 "expected column = \"NAME\", or columns = { NAME = NUMBER, ... } for a sum, or rate_of = \"NAME\" for \
-                 how fast a place changes",
+                 how fast a place changes, or euler_of = [\"W\", \"X\", \"Y\", \"Z\"] for an angle of a quaternion",
             );
         }
-        if is_rate && (!matches!(quantity, Quantity::Velocity(_)) || entry.offset != 0.0) {
+        if made == Made::RateOf && (!matches!(quantity, Quantity::Velocity(_)) || entry.offset != 0.0) {
             return fail("rate_of makes a velocity of a place, without offset");
         }
-        let to_log = sign_of_frame(quantity) * factor;
-        let scale = to_log * entry.sign * entry.scale;
-        let terms = fields.into_iter().map(|(column, share)| Term { column, scale: scale * share }).collect();
-        Ok(MappedColumn { quantity, terms, offset: to_log * entry.offset, is_rate })
+        if let Made::EulerOf { .. } = made
+            && (!matches!(quantity, Quantity::Angle(_)) || entry.scale != 1.0)
+        {
+            return fail("euler_of makes roll_rad, pitch_rad or yaw_rad of a quaternion, without scale");
+        }
+        let terms = fields.into_iter().map(|(column, scale)| Term { column, scale }).collect();
+        Ok(MappedColumn { quantity, terms, offset: to_log * entry.offset, made })
     }
 
     fn turn(&self, given: &Spanned<f64>) -> Result<f64, LogError> {

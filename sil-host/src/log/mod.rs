@@ -19,6 +19,7 @@ mod joined;
 mod jumps;
 mod long;
 mod map;
+mod mapped_column;
 mod messages;
 mod motor_order;
 mod other_files;

@@ -1,16 +1,30 @@
-//! Columns of angles from quaternions, as flight controllers log them.
+//! Columns of angles from quaternions, as flight controllers and research logs have them.
 
 use std::ops::Range;
 
+use super::quantity::Quantity;
 use crate::vehicle::euler_rad;
+
+/// Norms of what is taken for a quaternion that was rounded.
+const ROUNDED: Range<f64> = 0.9..1.1;
+
+/// The Euler angle of a quantity, rad, of a quaternion w, x, y, z; NaN of what is none, or of another quantity.
+pub(super) fn euler_angle(quantity: Quantity, q: [f64; 4]) -> f64 {
+    let Quantity::Angle(axis) = quantity else { return f64::NAN };
+    euler(q, &ROUNDED)[axis.index()]
+}
+
+/// Roll, pitch and yaw (Z-Y-X), rad; not a number where the norm lies outside of `unit`.
+fn euler(q: [f64; 4], unit: &Range<f64>) -> [f64; 3] {
+    let norm = q.iter().map(|part| part * part).sum::<f64>().sqrt();
+    if unit.contains(&norm) { euler_rad(q.map(|part| part / norm)) } else { [f64::NAN; 3] }
+}
 
 /// Roll, pitch and yaw (Z-Y-X), rad, of quaternions w, x, y, z; one whose norm lies outside of `unit` is no reading.
 pub(super) fn euler_columns(quaternions: impl Iterator<Item = [f64; 4]>, unit: Range<f64>) -> [Vec<f64>; 3] {
     let mut columns = [Vec::new(), Vec::new(), Vec::new()];
     for q in quaternions {
-        let norm = q.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let angles = if unit.contains(&norm) { euler_rad(q.map(|part| part / norm)) } else { [f64::NAN; 3] };
-        columns.iter_mut().zip(angles).for_each(|(column, angle)| column.push(angle));
+        columns.iter_mut().zip(euler(q, &unit)).for_each(|(column, angle)| column.push(angle));
     }
     columns
 }

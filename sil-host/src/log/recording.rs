@@ -27,7 +27,8 @@
 //! A map names a field itself (`vehicle_attitude.rollspeed`), where the conventions are wrong for a vehicle.
 
 use super::error::{LogError, LogErrorKind};
-use super::map::{Map, Term};
+use super::map::Map;
+use super::mapped_column::{Made, Term};
 use super::messages::{Messages, NoField, Table};
 use super::quantity::Quantity;
 use super::rate_of_change::rate_of_change;
@@ -191,11 +192,12 @@ impl Recording {
         for mapped in values {
             let first = mapped.terms.first().map_or("", |term| term.column.as_str());
             let kind = messages.kind_of(first).map_err(|no| missing(first, mapped.quantity, no))?;
-            let mut value = vec![mapped.offset; messages.table(kind).map_or(0, Table::rows)];
+            let mut parts: Vec<Vec<f64>> = Vec::new();
             for Term { column, scale } in &mapped.terms {
                 let readings = messages.of_kind(kind, column).map_err(|no| missing(column, mapped.quantity, no))?;
-                value.iter_mut().zip(readings).for_each(|(value, reading)| *value += scale * reading);
+                parts.push(readings.iter().map(|reading| scale * reading).collect());
             }
+            let value = mapped.of_parts(&parts, messages.table(kind).map_or(0, Table::rows));
             if streams.iter().all(|stream| stream.name != *kind) {
                 let time = times.first().ok_or_else(|| missing("time", Quantity::Time, NoField::default()))?;
                 let called = time.called();
@@ -205,7 +207,7 @@ impl Recording {
                 streams.push(Stream::at(kind, stamps.iter().map(|stamp| scale * stamp + time.offset).collect()));
             }
             if let Some(stream) = streams.iter_mut().find(|stream| stream.name == *kind) {
-                let value = if mapped.is_rate { rate_of_change(&stream.time_s, &value) } else { value };
+                let value = if mapped.made == Made::RateOf { rate_of_change(&stream.time_s, &value) } else { value };
                 stream.add(mapped.quantity, &mapped.called().replace(&format!("{kind}."), ""), value);
             }
         }

@@ -39,6 +39,47 @@ fn how_fast_a_place_changes_is_a_velocity() {
     assert!(refused.contains("`vn_cm_s`: rate_of makes a velocity of a place, without offset"), "{refused}");
 }
 
+/// A body that is rolled by 0.4 rad in every row but one, whose quaternion is none.
+#[test]
+fn an_angle_is_made_of_a_quaternion() {
+    let row = |row: usize| {
+        let (w, x) = if row == 7 { (0.0, 0.0) } else { (f64::cos(0.2), f64::sin(0.2)) };
+        format!("{},{w},{x},0,0,0.1,{},10,20,30,4{}\n", 0.01 * row as f64, 0.01 * row as f64, row % 10)
+    };
+    let text = "t,qw,qx,qy,qz,gx,gy,a,b,c,d\n".to_owned() + &(0..ROWS).map(row).collect::<String>();
+    let of = |line: &str| Map::parse("m.toml", &map(&format!("{COMMANDS}{line}\n")));
+    let angle = |line: &str, axis: usize| {
+        let log = parse("log.csv", &text, Some(&of(line).unwrap())).unwrap();
+        log.angle_rad[axis].clone().unwrap()
+    };
+    let euler = "euler_of = [\"qw\", \"qx\", \"qy\", \"qz\"]";
+    let expected = |own: &[f64], rad: f64| own.iter().all(|own| (own - rad).abs() < 1e-12);
+    assert!(expected(&angle(&format!("roll_rad = {{ {euler} }}"), 0), 0.4));
+    assert!(expected(
+        &angle(&format!("roll_deg = {{ {euler}, sign = -1, offset = 90 }}"), 0),
+        1.5707963267948966 - 0.4
+    ));
+    assert!(expected(&angle(&format!("pitch_rad = {{ {euler} }}"), 1), 0.0));
+    // the same columns in another order: a body that is pitched, in a frame that counts it the other way
+    let pitched = format!("pitch_rad = {{ {} }}", euler.replace("qx\", \"qy", "qy\", \"qx"));
+    let flu = map(&format!("{COMMANDS}{pitched}\n")).replace("FRD", "FLU");
+    let log = parse("log.csv", &text, Some(&Map::parse("m.toml", &flu).unwrap())).unwrap();
+    assert!(expected(log.angle_rad[1].as_ref().unwrap(), -0.4));
+    for (line, refused) in [
+        (format!("p_deg_s = {{ {euler} }}"), "is given twice"),
+        (format!("vn_m_s = {{ {euler} }}"), "euler_of makes roll_rad, pitch_rad or yaw_rad of a quaternion"),
+        (format!("roll_rad = {{ {euler}, scale = 2 }}"), "without scale"),
+        (format!("roll_rad = {{ {euler}, column = \"a\" }}"), "expected column = \"NAME\""),
+        ("roll_rad = { euler_of = [\"qw\", \"qx\"] }".to_owned(), "invalid length"),
+    ] {
+        let error = of(&line).unwrap_err().to_string();
+        assert!(error.contains(refused), "{line}: {error}");
+    }
+    let absent = of(&format!("roll_rad = {{ {} }}", euler.replace("qz", "q4"))).unwrap();
+    let error = parse("log.csv", &text, Some(&absent)).unwrap_err().to_string();
+    assert!(error.contains("`q4`: column is missing, which the map m.toml takes for roll_rad"), "{error}");
+}
+
 #[test]
 fn a_sum_of_columns_is_one_column() {
     let of = |quantities: &str| Map::parse("m.toml", &map(quantities));

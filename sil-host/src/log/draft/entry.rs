@@ -1,6 +1,7 @@
 //! One line of a drafted map, from a column's name and values: key with its unit, scale, and the reason for each.
 
 use super::names::{Named, is_decoded, is_place};
+use super::quaternion::Quaternion;
 use super::words::words;
 use crate::axis::Axis;
 use crate::log::Quantity;
@@ -10,7 +11,10 @@ use crate::log::Quantity;
 pub(super) struct Entry {
     pub(super) quantity: Quantity,
     pub(super) key: String,
+    /// Of a quaternion's angle the four columns' names, joined.
     pub(super) column: String,
+    /// A quaternion's columns, where the quantity is an angle of it.
+    pub(super) euler_of: Option<[String; 4]>,
     pub(super) sign: f64,
     pub(super) scale: f64,
     pub(super) offset: f64,
@@ -23,8 +27,12 @@ pub(super) struct Entry {
 impl Entry {
     /// The line of the map, its reason as a comment.
     pub(super) fn line(&self) -> String {
-        let taken = if is_place(&self.column) { "rate_of" } else { "column" };
-        let mut fields = format!("{taken} = \"{}\"", self.column.replace('\\', "\\\\").replace('"', "\\\""));
+        let quoted = |name: &String| format!("\"{}\"", name.replace('\\', "\\\\").replace('"', "\\\""));
+        let mut fields = match &self.euler_of {
+            Some(columns) => format!("euler_of = [{}]", columns.each_ref().map(quoted).join(", ")),
+            None if is_place(&self.column) => format!("rate_of = {}", quoted(&self.column)),
+            None => format!("column = {}", quoted(&self.column)),
+        };
         if self.sign < 0.0 {
             fields.push_str(", sign = -1");
         }
@@ -36,6 +44,29 @@ impl Entry {
         }
         format!("{} = {{ {fields} }}   # {}\n", self.key, self.why.join("; ").replace('\n', " "))
     }
+}
+
+/// The entries of a quaternion's angles.
+pub(super) fn entries_of(quaternion: &Quaternion) -> [Entry; 3] {
+    Axis::ALL.map(|axis| {
+        let quantity = Quantity::Angle(axis);
+        let mut why = vec!["of unit norm, and likely by their names".to_owned()];
+        if quaternion.is_order_guessed {
+            why.push("not known: the order of the four; w is taken as the first".to_owned());
+        }
+        Entry {
+            quantity,
+            key: quantity.name(),
+            column: quaternion.columns.join(", "),
+            euler_of: Some(quaternion.columns.clone()),
+            sign: 1.0,
+            scale: 1.0,
+            offset: 0.0,
+            rank: 1,
+            is_unit_said: true,
+            why,
+        }
+    })
 }
 
 /// The entry of a column by its name and values.
@@ -63,7 +94,7 @@ pub(super) fn entry(column: &str, said: &Named, values: &[f64]) -> Entry {
     // the Crazyflie's y counts to the left
     let sign = if quantity == Quantity::Velocity(Axis::Pitch) && is_place(column) { -1.0 } else { 1.0 };
     let (column, is_unit_said) = (column.to_owned(), said.unit.is_some());
-    Entry { quantity, key, column, sign, scale, offset, rank: said.rank, is_unit_said, why }
+    Entry { quantity, key, column, euler_of: None, sign, scale, offset, rank: said.rank, is_unit_said, why }
 }
 
 /// A motor's largest command over DShot.

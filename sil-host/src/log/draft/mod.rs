@@ -5,6 +5,7 @@
 mod entry;
 mod filling;
 mod names;
+mod quaternion;
 #[cfg(test)]
 mod tests;
 mod units;
@@ -12,9 +13,10 @@ mod words;
 
 use std::path::Path;
 
-use self::entry::{Entry, entry};
+use self::entry::{Entry, entries_of, entry};
 use self::filling::Filling;
 use self::names::{Named, is_command_of_some_axis, named};
+use self::quaternion::quaternion;
 use self::words::Families;
 use super::contradiction::Contradiction;
 use super::error::{LogError, LogErrorKind};
@@ -96,11 +98,15 @@ impl Drafting<'_> {
             lacking: Vec::new(),
         };
         let families = Families::of(table.fields());
-        for name in table.fields() {
+        let quaternion = quaternion(&table);
+        let is_of_it = |name: &&str| quaternion.iter().any(|own| own.columns.iter().any(|column| column == name));
+        for name in table.fields().filter(|name| !is_of_it(name)) {
             let filling = Filling::of(&table, name, with_words.iter().any(|other| other == name));
             let said = named(name, families.family(name));
             drafting.take(name, said.as_ref(), filling, &table);
         }
+        // angles that the table has itself go before
+        quaternion.iter().flat_map(entries_of).for_each(|entry| drafting.enter(entry));
         drafting.take_command_by_elimination(&table);
         units::share(&mut drafting.entries, &table);
         units::weigh(&mut drafting.entries, &table);

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::super::Log;
 use super::super::quantity::GRAVITY_M_S2;
 use super::*;
+use crate::vehicle::quaternion_world_from_body;
 
 /// A table of these columns, 150 rows at 100 per second; what each row says is given by its number and its time, s. So
 /// short a log tells nothing of signs.
@@ -172,4 +173,40 @@ fn words_are_no_slower_rate() {
     });
     let (toml, log) = read(&text);
     assert!(log.angle_rad[0].is_none() && toml.contains("# not used: roll\n"), "{toml}");
+}
+
+/// The rows of a body that tilts and turns, as a quaternion; its angles are read back.
+#[test]
+fn a_quaternion_gives_the_angles() {
+    for (names, guessed) in [("qw,qx,qy,qz", false), ("q[0],q[1],q[2],q[3]", true), ("att.w,att.x,att.y,att.z", false)]
+    {
+        let angles = |time_s: f64| [wave(time_s, 0.3), wave(time_s, 0.2), time_s];
+        let text = table(&format!("t,{names},gx,gy,gz,m1,m2,m3,m4"), |_, time_s| {
+            let q = quaternion_world_from_body(angles(time_s)).map(|part| format!("{part:.9}")).join(",");
+            format!("{time_s},{q},{},{}", rates(time_s), pulses(time_s))
+        });
+        let (toml, log) = read(&text);
+        let columns = names.split(',').map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+        for axis in Axis::ALL {
+            assert!(toml.contains(&format!("{}_rad = {{ euler_of = [{columns}] }}", axis.name())), "{toml}");
+            for row in [0, 40, 140] {
+                let (own, expected) =
+                    (log.angle_rad[axis.index()].as_ref().unwrap()[row], angles(log.time_s[row])[axis.index()]);
+                assert!((own - expected).abs() < 1e-7, "{names} {} {row}: {own} {expected}", axis.name());
+            }
+        }
+        assert_eq!(toml.contains("the order of the four"), guessed, "{toml}");
+    }
+}
+
+/// What a table has as an angle goes before, and four numbers that are no unit are nothing.
+#[test]
+fn a_quaternion_beside_angles_gives_what_they_lack() {
+    let text = table("t,roll_rad,pitch_rad,qw,qx,qy,qz,gx,gy,gz,m1,m2,m3,m4", |_, time_s| {
+        let q = quaternion_world_from_body([0.0, 0.0, 0.5]).map(|part| format!("{part:.9}")).join(",");
+        format!("{time_s},{},{},{q},{},{}", wave(time_s, 0.3), wave(time_s, 0.2), rates(time_s), pulses(time_s))
+    });
+    let (toml, log) = read(&text);
+    assert!(toml.contains("roll_rad = { column = \"roll_rad\" }") && toml.contains("yaw_rad = { euler_of ="), "{toml}");
+    assert!((log.angle_rad[2].as_ref().unwrap()[3] - 0.5).abs() < 1e-7);
 }

@@ -1,7 +1,8 @@
 //! What the gate found: contradictions, and what the log confirms.
 
 use super::super::contradiction::{Contradiction, MapLine};
-use super::super::map::{Map, MappedColumn};
+use super::super::map::Map;
+use super::super::mapped_column::MappedColumn;
 use super::super::quantity::Quantity;
 
 /// What an examination came to.
@@ -36,7 +37,7 @@ impl Columns<'_> {
 
     /// A line that gives a key from the column of a quantity, or against it.
     pub(super) fn line(&self, key: &str, from: Quantity, sign: f64) -> MapLine {
-        let is_rate = self.mapped(from).is_some_and(|mapped| mapped.is_rate);
-        MapLine { key: key.to_owned(), from, sign, column: self.of(from), is_rate, is_mapped: self.map.is_some() }
+        let source = self.mapped(from).map_or_else(|| format!("column = \"{}\"", from.name()), MappedColumn::source);
+        MapLine { key: key.to_owned(), from, sign, source, is_mapped: self.map.is_some() }
     }
 }

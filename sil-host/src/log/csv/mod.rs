@@ -8,8 +8,12 @@
 //! Lines are split by hand, not by a CSV library: the format has no field with a separator or a line end in it, and
 //! each message must name the very line that an editor shows.
 
+mod fields;
+
+use self::fields::{Field, mapped_fields, named_fields, required};
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
-use super::map::{Map, MappedColumn, Term};
+use super::map::Map;
+use super::mapped_column::Made;
 use super::messages::Table;
 use super::passage::Passage;
 use super::quantity::Quantity;
@@ -17,7 +21,6 @@ use super::rate_of_change::rate_of_change;
 use super::recording::{Stream, StreamColumn};
 use super::style::Style;
 use super::{Content, Format, Log, note_gaps, outside, source, time_base};
-use crate::axis::Axis;
 
 /// Whatever is no other format is taken for CSV, so that its messages say what was expected.
 pub(super) const FORMAT: Format = Format {
@@ -174,147 +177,6 @@ fn error_in(file: &str, line: Option<usize>, column: Option<String>, kind: LogEr
     LogError { file: file.to_owned(), line, column, kind }
 }
 
-/// What is wrong with a header, and the column it is about.
-type HeaderError = (Option<String>, LogErrorKind);
-
-/// Fields of each row that are read, and how they become a quantity: the sum of each times its scale, and the offset.
-struct Field {
-    quantity: Quantity,
-    /// Places in the row, with their scales; at least one.
-    terms: Vec<(usize, f64)>,
-    offset: f64,
-    /// True where the quantity is how fast that changes.
-    is_rate: bool,
-}
-
-impl Field {
-    /// The column's name, or those of a sum.
-    fn called(&self, names: &[&str]) -> String {
-        self.terms.iter().map(|(index, _)| names[*index]).collect::<Vec<_>>().join(" + ")
-    }
-
-    /// The value in a row; NaN if any of its fields is blank.
-    fn value(&self, row: &[&str], style: &mut Style) -> Result<f64, LogErrorKind> {
-        if self.quantity != Quantity::Time && self.terms.iter().any(|(index, _)| row[*index].is_empty()) {
-            return Ok(f64::NAN);
-        }
-        let mut value = self.offset;
-        for (index, scale) in &self.terms {
-            let raw = style.number(row[*index])?;
-            value += scale * raw;
-            if !value.is_finite() {
-                return Err(LogErrorKind::NotFinite(row[*index].to_owned()));
-            }
-        }
-        outside::checked(self.quantity, value)
-    }
-}
-
-/// The fields of a log whose header speaks for itself.
-fn named_fields(names: &[&str], log: &mut Log) -> Result<Vec<Field>, HeaderError> {
-    let mut fields: Vec<Field> = Vec::new();
-    let mut ignored = Vec::new();
-    for (index, name) in names.iter().enumerate() {
-        let Some((quantity, scale)) = Quantity::from_name(name) else {
-            ignored.push(*name);
-            continue;
-        };
-        if let Some(first) = fields.iter().find(|field| field.quantity == quantity) {
-            let kind = LogErrorKind::GivenTwice { first: first.called(names), second: (*name).to_owned() };
-            return Err((Some(quantity.name()), kind));
-        }
-        fields.push(Field { quantity, terms: vec![(index, scale)], offset: 0.0, is_rate: false });
-    }
-    let has = |quantity| fields.iter().any(|field| field.quantity == quantity);
-    let by_axis =
-        Axis::ALL.iter().any(|axis| has(Quantity::Command(*axis))) && !(0..4).any(|motor| has(Quantity::Motor(motor)));
-    let lacking: Vec<Quantity> = required(by_axis).into_iter().filter(|quantity| !has(*quantity)).collect();
-    if let [first, others @ ..] = lacking.as_slice() {
-        return Err(missing(*first, others, names));
-    }
-    let yaw = has(Quantity::Angle(Axis::Yaw)) || has(Quantity::Rate(Axis::Yaw));
-    log.axes = [true, true, yaw];
-    if by_axis && has(Quantity::Thrust) {
-        // without collective the axis commands do nothing: the motors stand still
-        log.active_when = Some(super::Threshold { quantity: Quantity::Thrust, above: 0.0 });
-    }
-    note_ignored(log, &ignored);
-    Ok(fields)
-}
-
-fn required(by_axis: bool) -> Vec<Quantity> {
-    let mut required = vec![
-        Quantity::Time,
-        Quantity::Angle(Axis::Roll),
-        Quantity::Angle(Axis::Pitch),
-        Quantity::Rate(Axis::Roll),
-        Quantity::Rate(Axis::Pitch),
-    ];
-    if by_axis {
-        required.extend([Axis::Roll, Axis::Pitch].map(Quantity::Command));
-    } else {
-        required.extend((0..4).map(Quantity::Motor));
-    }
-    required
-}
-
-/// The fields that a map names; the rest is ignored.
-fn mapped_fields(names: &[&str], map: &Map, log: &mut Log) -> Result<Vec<Field>, HeaderError> {
-    let mut fields = Vec::new();
-    for mapped in &map.columns {
-        fields.push(mapped_field(names, mapped, &map.name)?);
-    }
-    let taken = map.columns.iter().flat_map(|mapped| &mapped.terms).map(|term| term.column.as_str());
-    let is_ignored = |name: &&str| taken.clone().all(|column| column != *name);
-    let ignored: Vec<&str> = names.iter().copied().filter(is_ignored).collect();
-    log.axes = map.axes;
-    log.active_when = map.active_when;
-    map.tell(log);
-    note_ignored(log, &ignored);
-    Ok(fields)
-}
-
-fn mapped_field(names: &[&str], mapped: &MappedColumn, map: &str) -> Result<Field, HeaderError> {
-    let place = |term: &Term| {
-        let fail = |kind| Err((Some(term.column.clone()), kind));
-        let mut indices = (0..names.len()).filter(|index| names[*index] == term.column);
-        match (indices.next(), indices.next()) {
-            (Some(index), None) => Ok((index, term.scale)),
-            (None, _) => fail(LogErrorKind::MissingColumn {
-                reason: format!("column is missing, which the map {map} takes for {}", mapped.quantity.name()),
-                present: names.join(", "),
-            }),
-            _ => fail(LogErrorKind::GivenTwice { first: term.column.clone(), second: term.column.clone() }),
-        }
-    };
-    let terms = mapped.terms.iter().map(place).collect::<Result<_, _>>()?;
-    Ok(Field { quantity: mapped.quantity, terms, offset: mapped.offset, is_rate: mapped.is_rate })
-}
-
-fn missing(quantity: Quantity, others: &[Quantity], names: &[&str]) -> HeaderError {
-    let others: Vec<String> = others.iter().map(|other| other.name()).collect();
-    let others = if others.is_empty() { String::new() } else { format!(", and so are {}", others.join(", ")) };
-    let reason = format!("required column is missing{others} ({})", way_out(names));
-    let kind = LogErrorKind::MissingColumn { reason, present: names.join(", ") };
-    (Some(quantity.name()), kind)
-}
-
-/// What helps whose columns have other names: the maps that ship and find all of theirs, else a map of the log's own.
-fn way_out(names: &[&str]) -> String {
-    let fitting: Vec<String> = Map::built_in_for(names).map(|name| format!("--map {name}")).collect();
-    if fitting.is_empty() {
-        "for other names give a map, --map; `sil map LOG` drafts one".to_owned()
-    } else {
-        format!("{} ships and knows these columns", fitting.join(" or "))
-    }
-}
-
-fn note_ignored(log: &mut Log, ignored: &[&str]) {
-    if !ignored.is_empty() {
-        log.notes.push(format!("columns ignored: {}", ignored.join(", ")));
-    }
-}
-
 /// The fields of all rows, column by column.
 struct Rows {
     columns: Vec<Vec<f64>>,
@@ -386,7 +248,7 @@ fn read_rows<'a>(
             return Err(error_in(file, Some(line), Some(name), kind));
         }
     }
-    for place in (0..fields.len()).filter(|place| fields[*place].is_rate) {
+    for place in (0..fields.len()).filter(|place| fields[*place].made == Made::RateOf) {
         rows.columns[place] = time.map_or(Vec::new(), |time| rate_of_change(&rows.columns[time], &rows.columns[place]));
     }
     Ok(rows)

@@ -1,0 +1,157 @@
+//! From a CSV's header to the fields that are read of each line, and what becomes of them.
+
+use super::super::error::LogErrorKind;
+use super::super::map::{Map, Threshold};
+use super::super::mapped_column::{Made, MappedColumn, Term};
+use super::super::quantity::Quantity;
+use super::super::quaternions::euler_angle;
+use super::super::style::Style;
+use super::super::{Log, outside};
+use crate::axis::Axis;
+
+/// What is wrong with a header, and the column it is about.
+pub(super) type HeaderError = (Option<String>, LogErrorKind);
+
+/// Fields of each row that are read, and how they become a quantity: the sum of each times its scale, and the offset.
+pub(super) struct Field {
+    pub(super) quantity: Quantity,
+    /// Places in the row, with their scales; at least one.
+    pub(super) terms: Vec<(usize, f64)>,
+    pub(super) offset: f64,
+    pub(super) made: Made,
+}
+
+impl Field {
+    /// The column's name, or those of a sum.
+    pub(super) fn called(&self, names: &[&str]) -> String {
+        self.terms.iter().map(|(index, _)| names[*index]).collect::<Vec<_>>().join(" + ")
+    }
+
+    /// The value in a row; NaN if any of its fields is blank.
+    pub(super) fn value(&self, row: &[&str], style: &mut Style) -> Result<f64, LogErrorKind> {
+        if self.quantity != Quantity::Time && self.terms.iter().any(|(index, _)| row[*index].is_empty()) {
+            return Ok(f64::NAN);
+        }
+        let mut parts = [0.0; 4];
+        let mut sum = self.offset;
+        for (place, (index, scale)) in self.terms.iter().enumerate() {
+            let part = scale * style.number(row[*index])?;
+            sum += part;
+            if !sum.is_finite() {
+                return Err(LogErrorKind::NotFinite(row[*index].to_owned()));
+            }
+            if let Some(own) = parts.get_mut(place) {
+                *own = part;
+            }
+        }
+        match self.made {
+            Made::Sum | Made::RateOf => outside::checked(self.quantity, sum),
+            Made::EulerOf { scale } => Ok(self.offset + scale * euler_angle(self.quantity, parts)),
+        }
+    }
+}
+
+/// The fields of a log whose header speaks for itself.
+pub(super) fn named_fields(names: &[&str], log: &mut Log) -> Result<Vec<Field>, HeaderError> {
+    let mut fields: Vec<Field> = Vec::new();
+    let mut ignored = Vec::new();
+    for (index, name) in names.iter().enumerate() {
+        let Some((quantity, scale)) = Quantity::from_name(name) else {
+            ignored.push(*name);
+            continue;
+        };
+        if let Some(first) = fields.iter().find(|field| field.quantity == quantity) {
+            let kind = LogErrorKind::GivenTwice { first: first.called(names), second: (*name).to_owned() };
+            return Err((Some(quantity.name()), kind));
+        }
+        fields.push(Field { quantity, terms: vec![(index, scale)], offset: 0.0, made: Made::Sum });
+    }
+    let has = |quantity| fields.iter().any(|field| field.quantity == quantity);
+    let by_axis =
+        Axis::ALL.iter().any(|axis| has(Quantity::Command(*axis))) && !(0..4).any(|motor| has(Quantity::Motor(motor)));
+    let lacking: Vec<Quantity> = required(by_axis).into_iter().filter(|quantity| !has(*quantity)).collect();
+    if let [first, others @ ..] = lacking.as_slice() {
+        return Err(missing(*first, others, names));
+    }
+    let yaw = has(Quantity::Angle(Axis::Yaw)) || has(Quantity::Rate(Axis::Yaw));
+    log.axes = [true, true, yaw];
+    if by_axis && has(Quantity::Thrust) {
+        // without collective the axis commands do nothing: the motors stand still
+        log.active_when = Some(Threshold { quantity: Quantity::Thrust, above: 0.0 });
+    }
+    note_ignored(log, &ignored);
+    Ok(fields)
+}
+
+pub(super) fn required(by_axis: bool) -> Vec<Quantity> {
+    let mut required = vec![
+        Quantity::Time,
+        Quantity::Angle(Axis::Roll),
+        Quantity::Angle(Axis::Pitch),
+        Quantity::Rate(Axis::Roll),
+        Quantity::Rate(Axis::Pitch),
+    ];
+    if by_axis {
+        required.extend([Axis::Roll, Axis::Pitch].map(Quantity::Command));
+    } else {
+        required.extend((0..4).map(Quantity::Motor));
+    }
+    required
+}
+
+/// The fields that a map names; the rest is ignored.
+pub(super) fn mapped_fields(names: &[&str], map: &Map, log: &mut Log) -> Result<Vec<Field>, HeaderError> {
+    let mut fields = Vec::new();
+    for mapped in &map.columns {
+        fields.push(mapped_field(names, mapped, &map.name)?);
+    }
+    let taken = map.columns.iter().flat_map(|mapped| &mapped.terms).map(|term| term.column.as_str());
+    let is_ignored = |name: &&str| taken.clone().all(|column| column != *name);
+    let ignored: Vec<&str> = names.iter().copied().filter(is_ignored).collect();
+    log.axes = map.axes;
+    log.active_when = map.active_when;
+    map.tell(log);
+    note_ignored(log, &ignored);
+    Ok(fields)
+}
+
+fn mapped_field(names: &[&str], mapped: &MappedColumn, map: &str) -> Result<Field, HeaderError> {
+    let place = |term: &Term| {
+        let fail = |kind| Err((Some(term.column.clone()), kind));
+        let mut indices = (0..names.len()).filter(|index| names[*index] == term.column);
+        match (indices.next(), indices.next()) {
+            (Some(index), None) => Ok((index, term.scale)),
+            (None, _) => fail(LogErrorKind::MissingColumn {
+                reason: format!("column is missing, which the map {map} takes for {}", mapped.quantity.name()),
+                present: names.join(", "),
+            }),
+            _ => fail(LogErrorKind::GivenTwice { first: term.column.clone(), second: term.column.clone() }),
+        }
+    };
+    let terms = mapped.terms.iter().map(place).collect::<Result<_, _>>()?;
+    Ok(Field { quantity: mapped.quantity, terms, offset: mapped.offset, made: mapped.made })
+}
+
+fn missing(quantity: Quantity, others: &[Quantity], names: &[&str]) -> HeaderError {
+    let others: Vec<String> = others.iter().map(|other| other.name()).collect();
+    let others = if others.is_empty() { String::new() } else { format!(", and so are {}", others.join(", ")) };
+    let reason = format!("required column is missing{others} ({})", way_out(names));
+    let kind = LogErrorKind::MissingColumn { reason, present: names.join(", ") };
+    (Some(quantity.name()), kind)
+}
+
+/// What helps whose columns have other names: the maps that ship and find all of theirs, else a map of the log's own.
+fn way_out(names: &[&str]) -> String {
+    let fitting: Vec<String> = Map::built_in_for(names).map(|name| format!("--map {name}")).collect();
+    if fitting.is_empty() {
+        "for other names give a map, --map; `sil map LOG` drafts one".to_owned()
+    } else {
+        format!("{} ships and knows these columns", fitting.join(" or "))
+    }
+}
+
+fn note_ignored(log: &mut Log, ignored: &[&str]) {
+    if !ignored.is_empty() {
+        log.notes.push(format!("columns ignored: {}", ignored.join(", ")));
+    }
+}
