@@ -184,7 +184,9 @@ impl Drafting<'_> {
     /// Half a set of motors is none, and beside motors axis commands are not used.
     fn drop_what_is_not_needed(&mut self) {
         let motors = self.has_motors();
-        let driven = Axis::ALL.map(|axis| motors || self.has(Quantity::Command(axis)));
+        // where no command was recognised its user has yet to name them, of axes that stay
+        let has_none = !Axis::ALL.iter().any(|axis| self.has(Quantity::Command(*axis)));
+        let driven = Axis::ALL.map(|axis| motors || has_none || self.has(Quantity::Command(axis)));
         let mut dropped = Vec::new();
         self.entries.retain(|entry| {
             let is_kept = match entry.quantity {

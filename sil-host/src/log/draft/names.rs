@@ -25,6 +25,9 @@ const MOTOR: [&str; 4] = ["m", "motor", "motors", "mot"];
 const OUTPUT: [&str; 5] = ["out", "output", "outputs", "esc", "pwm"];
 const SPEED: [&str; 2] = ["rpm", "erpm"];
 
+/// Words of a processor's clock, which yield to a time.
+const CLOCK: [&str; 4] = ["tick", "ticks", "millis", "micros"];
+
 const HEIGHT: [&str; 3] = ["height", "altitude", "alt"];
 
 /// The axis of a name, and whether an angle's word says it. A number says it where it is one of three.
@@ -53,8 +56,8 @@ fn unit_of(words: &[String], quantity: Quantity) -> Option<&'static str> {
     let ends = |end: &[&str]| words.len() >= end.len() && words[words.len() - end.len()..].iter().eq(end.iter());
     let has = |word: &str| words.iter().any(|here| here == word);
     match quantity {
-        Quantity::Time if has("us") => Some("_us"),
-        Quantity::Time if has("ms") => Some("_ms"),
+        Quantity::Time if has("us") || has("micros") => Some("_us"),
+        Quantity::Time if has("ms") || has("millis") => Some("_ms"),
         Quantity::Time if has("s") => Some("_s"),
         Quantity::Rate(_) if has("deg") || has("dps") || is_decoded(words) => Some("_deg_s"),
         Quantity::Rate(_) if has("rad") => Some("_rad_s"),
@@ -86,6 +89,9 @@ pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
     let axis = axis_of(&words, family);
     // the Crazyflie's controller_roll is what is asked for, controller_r_roll the gyro
     let of_controller = first_is(&["controller"]);
+    if first_is(&CLOCK) {
+        return Some(Named { quantity: Quantity::Time, unit: unit_of(&words, Quantity::Time), rank: 2 });
+    }
     let quantity = if first_is(&["t", "time", "timestamp", "clock", "seconds"]) && !has(&COMMAND) {
         Quantity::Time
     } else if first_is(&["rc"]) || first_is(&["q"]) && family.and_then(Family::first_motor).is_some() {
@@ -193,6 +199,8 @@ mod tests {
         for (name, quantity, unit) in [
             ("t_s", Quantity::Time, Some("_s")),
             ("timestamp_us", Quantity::Time, Some("_us")),
+            ("millis", Quantity::Time, Some("_ms")),
+            ("tick", Quantity::Time, None),
             ("gyro_x_rad_s", Quantity::Rate(Roll), Some("_rad_s")),
             ("GyrY", Quantity::Rate(Pitch), None),
             ("gz_dps", Quantity::Rate(Yaw), Some("_deg_s")),

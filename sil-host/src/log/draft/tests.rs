@@ -210,3 +210,17 @@ fn a_quaternion_beside_angles_gives_what_they_lack() {
     assert!(toml.contains("roll_rad = { column = \"roll_rad\" }") && toml.contains("yaw_rad = { euler_of ="), "{toml}");
     assert!((log.angle_rad[2].as_ref().unwrap()[3] - 0.5).abs() < 1e-7);
 }
+
+/// The commands' names say nothing: what else was recognised stays in the draft, for its user to go on with.
+#[test]
+fn what_is_recognised_stays_where_the_commands_are_not() {
+    let text = table("t,roll_rad,pitch_rad,gx,gy,gz,unit_a,unit_b", |_, time_s| {
+        format!("{time_s},{},{},{},0.1,0.2", wave(time_s, 0.3), wave(time_s, 0.2), rates(time_s))
+    });
+    let Draft { toml, problems } = drafted(&text);
+    assert!(problems.len() == 1 && problems[0].starts_with("commands are missing"), "{problems:?}");
+    for kept in ["axes = [\"roll\", \"pitch\", \"yaw\"]", "roll_rad = { column", "q_rad_s = { column = \"gy\" }"] {
+        assert!(toml.contains(kept), "{kept}\n{toml}");
+    }
+    assert!(toml.contains("# not used: unit_a, unit_b"), "{toml}");
+}
