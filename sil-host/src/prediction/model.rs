@@ -172,9 +172,8 @@ impl Model {
                 }
                 let mut change = self.body.derivative(at_s, x, motors, &self.moments, by_air);
                 if let Some(turn) = passing.turn(at_s, &self.changes.sensors) {
-                    for axis in 0..3 {
-                        change[axis] = turn.per_own[axis] * change[axis] + turn.by_others_rad_s[axis];
-                    }
+                    let both = turn.per_own.iter().zip(turn.by_others_rad_s);
+                    change.iter_mut().zip(both).for_each(|(own, (per_own, others))| *own = per_own * *own + others);
                 }
                 change
             };
