@@ -439,8 +439,8 @@ fn malformed_maps_are_named_by_line_and_key() {
         (
             "sign = -1",
             "sine = -1",
-            "bench.toml:7: unknown field `sine`, expected one of `column`, `columns`, `rate_of`, `scale`, \
-             `offset`, `sign`",
+            "bench.toml:7: unknown field `sine`, expected one of `column`, `columns`, `rate_of`, `euler_of`, \
+             `scale`, `offset`, `sign`",
         ),
         ("column = \"u\"", "", "bench.toml:8: `pitch_cmd`: expected column = \"NAME\", or columns = {"),
         ("frame =", "frame", "bench.toml:2: "),
