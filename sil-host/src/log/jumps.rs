@@ -9,6 +9,7 @@
 use super::{Log, Quantity};
 use crate::axis::Axis;
 use crate::statistics::{median, wrapped};
+use crate::vehicle::euler_rates_rad_s;
 
 /// The change is taken over so long to either side, s, two rows at least.
 const SIDE_S: f64 = 0.025;
@@ -93,17 +94,11 @@ fn unexplained_steps(log: &Log, axis: Axis) -> Option<Vec<Step>> {
     let longest_s = log.longest_regular_step_s();
     let value = |quantity: Quantity, row: usize| log.column(quantity).map_or(0.0, |column| column[row]);
     let turning = |row: usize| -> Option<f64> {
-        let [roll, pitch] = [Axis::Roll, Axis::Pitch].map(|axis| value(Quantity::Angle(axis), row));
-        let [p, q, r] = Axis::ALL.map(|axis| value(Quantity::Rate(axis), row));
-        let (sin, cos) = libm::sincos(roll);
-        if axis != Axis::Pitch && libm::cos(pitch) < COS_STEEP {
-            return None;
-        }
-        Some(match axis {
-            Axis::Roll => p + libm::tan(pitch) * (q * sin + r * cos),
-            Axis::Pitch => q * cos - r * sin,
-            Axis::Yaw => (q * sin + r * cos) / libm::cos(pitch),
-        })
+        let angle = |axis: Axis| libm::sincos(value(Quantity::Angle(axis), row));
+        let (roll, pitch) = (angle(Axis::Roll), angle(Axis::Pitch));
+        let is_steep = axis != Axis::Pitch && pitch.1 < COS_STEEP;
+        let rate_rad_s = Axis::ALL.map(|axis| value(Quantity::Rate(axis), row));
+        (!is_steep).then(|| euler_rates_rad_s(roll, pitch, rate_rad_s)[axis.index()])
     };
     let rates: Vec<Option<f64>> = (0..log.rows()).map(turning).collect();
     let step = |row: usize| -> Option<Step> {

@@ -11,6 +11,7 @@ use crate::prediction::WINDOW_S;
 
 /// Share by which a base model must miss a channel by more than the nominal one for that to be said.
 const HARM_FROM: f64 = 0.1;
+
 /// What an answer says of a vehicle and its commands.
 pub(in crate::diagnosis) struct Shown<'a> {
     pub(in crate::diagnosis) base: &'a [BaseTerm],
