@@ -1,6 +1,6 @@
 //! A flight against normal flights, on the terminal and as a page.
 
-use crate::diagnosis::{BaselineDiagnosis, BetweenFlights, Compared, Difference, Verdict};
+use crate::diagnosis::{AtVoltage, BaselineDiagnosis, BetweenFlights, Compared, Difference, Verdict};
 use crate::report::{Card, Cell, Page, Section, Table, Tone};
 
 use super::diagnosis::page::fact_text;
@@ -55,9 +55,21 @@ fn basis(answer: &BaselineDiagnosis) -> String {
     };
     format!(
         "Normal flights: {flights}.{alone} Their spread is estimated from them and from a usual one, {between}, which \
-         counts as much as {usual:.0} flights. {} causes were tried. The chance of such departures in a normal flight, \
-         all numbers together: {chance}.",
+         counts as much as {usual:.0} flights. {}{} causes were tried. The chance of such departures in a normal \
+         flight, all numbers together: {chance}.",
+        baseline.at_voltage.as_ref().map_or_else(String::new, voltage_text),
         baseline.looks
+    )
+}
+
+/// At which voltage normal flights are held.
+fn voltage_text(at: &AtVoltage) -> String {
+    let AtVoltage { battery_v, normal_battery_v, follows } = at;
+    format!(
+        "They flew at {normal_battery_v:.2} V and are given as at the {battery_v:.2} V of this flight: steady commands \
+         go as the voltage to the power of {} ± {}. ",
+        number(-follows.value, 1),
+        number(follows.std, 1)
     )
 }
 

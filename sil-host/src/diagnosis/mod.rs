@@ -66,8 +66,8 @@ use crate::prediction::commands::axis_commands;
 use crate::prediction::{ChannelErrors, NotPredictable, WINDOW_S};
 pub use base::BaseTerm;
 pub use baseline::{
-    Baseline, BaselineDiagnosis, BetweenFlights, Compared, Difference, FlightNumbers, Given, NotComparable, NumberOf,
-    compare_flights, diagnose_against, motor_place,
+    AtVoltage, Baseline, BaselineDiagnosis, BetweenFlights, Compared, Difference, FlightNumbers, Given, NotComparable,
+    NumberOf, compare_flights, diagnose_against, motor_place,
 };
 pub use estimate::Estimate;
 pub use evidence::bootstrap::Gain;

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde::ser::SerializeStruct;
 
+use super::battery::AtVoltage;
 use super::normal::BetweenFlights;
 use super::numbers::NumberOf;
 use crate::axis::Axis;
@@ -40,6 +41,8 @@ pub struct Baseline {
     pub usual_spread_as_flights: f64,
     /// Degrees of freedom of the spreads.
     pub degrees_of_freedom: f64,
+    /// At which battery voltage they are held, where all flights have one.
+    pub at_voltage: Option<AtVoltage>,
     /// Number by number.
     pub numbers: Vec<Compared>,
     /// Causes that were tried.

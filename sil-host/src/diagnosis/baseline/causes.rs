@@ -2,7 +2,9 @@
 //! own command, and so changes roll, pitch and yaw trim and the collective in fixed proportions; a weight changes all
 //! but the yaw trim.
 
-use super::normal::Normal;
+use nalgebra::{Matrix2, Vector2};
+
+use super::normal::{Expected, Normal};
 use super::numbers::NumberOf;
 use crate::axis::Axis;
 use shared_control::airframe::TORQUE_SIGNS;
@@ -17,6 +19,8 @@ const PLACES: i32 = 12;
 pub(super) enum Cause {
     /// One motor or propeller, counted from 0.
     WeakMotor(usize),
+    /// The same in a vehicle that is heavier besides, or whose motors all lift less: air and batteries change too.
+    WeakMotorAndMass(usize),
     /// A weight somewhere.
     Weight,
     /// Something has moved: the centre of gravity without the mass.
@@ -62,7 +66,7 @@ impl Cause {
     /// Its name in docs/effects.md; `added_weight` is a mass and a centre of gravity at once.
     pub(super) fn effect(self) -> &'static str {
         match self {
-            Cause::WeakMotor(_) => "weak_motor",
+            Cause::WeakMotor(_) | Cause::WeakMotorAndMass(_) => "weak_motor",
             Cause::Weight => "added_weight",
             Cause::MassShift => "cg_offset",
             Cause::Moment(_) => "torque_bias",
@@ -87,6 +91,19 @@ impl Cause {
         }
     }
 
+    /// Is it two at once?
+    pub(super) fn is_two(self) -> bool {
+        matches!(self, Cause::WeakMotorAndMass(_))
+    }
+
+    /// The one motor that it is about, counted from 0.
+    pub(super) fn motor(self) -> Option<usize> {
+        match self {
+            Cause::WeakMotor(motor) | Cause::WeakMotorAndMass(motor) => Some(motor),
+            _ => None,
+        }
+    }
+
     pub(super) fn axis(self) -> Option<Axis> {
         match self {
             Cause::Moment(axis) | Cause::Inertia(axis) | Cause::GyroBias(axis) | Cause::GyroScale(axis) => Some(axis),
@@ -99,7 +116,8 @@ impl Cause {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Explanation {
     pub(super) cause: Cause,
-    /// Its sizes: of a weak motor a quarter of the change of its command; of a weight the rise of the collective and
+    /// Its sizes: of a weak motor a quarter of the change of its command, and of a heavier vehicle besides the rise of
+    /// the collective; of a weight the rise of the collective and
     /// its place to the left and ahead; of the others the change of their number, or the share of it.
     pub(super) values: Vec<f64>,
     /// Their standard deviations.
@@ -143,6 +161,7 @@ impl Departures<'_> {
     /// All causes that change what is compared; of two that explain it alike the later one is named first.
     pub(super) fn causes(&self) -> Vec<Cause> {
         let mut causes: Vec<Cause> = (0..4).map(Cause::WeakMotor).collect();
+        causes.extend((0..4).map(Cause::WeakMotorAndMass));
         causes.extend([Cause::Weight, Cause::MassShift, Cause::Mass, Cause::Lift, Cause::Lag, Cause::Delay]);
         for axis in Axis::ALL {
             causes.extend([Cause::Moment(axis), Cause::Inertia(axis), Cause::GyroBias(axis), Cause::GyroScale(axis)]);
@@ -159,6 +178,7 @@ impl Departures<'_> {
         let tilts = has(NumberOf::Trim(Axis::Roll)) && has(NumberOf::Trim(Axis::Pitch));
         match cause {
             Cause::WeakMotor(_) => tilts && self.knows_motors && self.collective.is_some(),
+            Cause::WeakMotorAndMass(motor) => self.is_seen(Cause::WeakMotor(motor)) && self.is_seen(Cause::Mass),
             Cause::Weight => tilts && self.knows_motors && self.is_seen(Cause::Mass),
             Cause::MassShift => tilts,
             Cause::Moment(axis) => has(NumberOf::Trim(axis)),
@@ -185,6 +205,7 @@ impl Departures<'_> {
         match cause {
             Cause::Weight => self.by_weight(),
             Cause::MassShift => self.by_shift(),
+            Cause::WeakMotorAndMass(motor) => self.by_both(motor),
             _ => self.at_best(cause),
         }
     }
@@ -288,6 +309,29 @@ impl Departures<'_> {
             explanation.values.extend([left, ahead]);
             explanation.std.extend([Axis::Roll, Axis::Pitch].map(|axis| self.std_of(NumberOf::Trim(axis)) / lift));
             explanation
+        })
+    }
+
+    /// A weak motor and a mass, as near as both are in proportion to their sizes.
+    fn by_both(&self, motor: usize) -> Option<Explanation> {
+        let direction = |cause: Cause| -> Vec<f64> {
+            let scaled = |number: &Expected| self.change(cause, SMALL, number.of) / SMALL / number.std;
+            self.normal.numbers.iter().map(scaled).collect()
+        };
+        let [weak, mass] = [Cause::WeakMotor(motor), Cause::Mass].map(direction);
+        let by: Vec<f64> = self.by.iter().zip(&self.normal.numbers).map(|(by, number)| by / number.std).collect();
+        let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+        let normal = Matrix2::new(dot(&weak, &weak), dot(&weak, &mass), dot(&mass, &weak), dot(&mass, &mass));
+        let covariance = normal.try_inverse()?;
+        let right = Vector2::new(dot(&weak, &by), dot(&mass, &by));
+        let sizes = covariance * right;
+        let both = weak.iter().zip(&mass).zip(&self.normal.numbers);
+        Some(Explanation {
+            cause: Cause::WeakMotorAndMass(motor),
+            values: vec![sizes.x, sizes.y],
+            std: covariance.diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect(),
+            predicted: both.map(|((weak, mass), number)| number.std * (sizes.x * weak + sizes.y * mass)).collect(),
+            explained: sizes.dot(&right),
         })
     }
 

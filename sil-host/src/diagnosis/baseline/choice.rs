@@ -80,9 +80,10 @@ pub(super) fn choose(departures: &Departures<'_>, known: &Known) -> Choice {
 }
 
 /// How many looks at a flight some causes are: two that explain the same of every number, as a delay and a lag do, are
-/// one.
+/// one, and two causes at once are none.
 fn looks(departures: &Departures<'_>, causes: &[Cause]) -> usize {
-    let all: Vec<Explanation> = causes.iter().filter_map(|cause| departures.explained_by(*cause)).collect();
+    let single = causes.iter().filter(|cause| !cause.is_two());
+    let all: Vec<Explanation> = single.filter_map(|cause| departures.explained_by(*cause)).collect();
     let is_alike = |one: &Explanation, other: &Explanation| {
         let numbers = one.predicted.iter().zip(&other.predicted).zip(&departures.normal.numbers);
         let is_same = |((one, other), number): ((&f64, &f64), &Expected)| (one - other).abs() <= ALIKE * number.std;
@@ -91,9 +92,11 @@ fn looks(departures: &Departures<'_>, causes: &[Cause]) -> usize {
     (0..all.len()).filter(|place| all[..*place].iter().all(|other| !is_alike(other, &all[*place]))).count().max(1)
 }
 
-/// Is one of its sizes known to be something? One that is not explains a departure that any size does.
+/// Is one of its sizes known to be something? One that is not explains a departure that any size does. Of two causes at
+/// once both must be, or it is one of them.
 fn has_size(one: &Explanation) -> bool {
-    one.values.iter().zip(&one.std).any(|(value, std)| value.abs() > SIGMAS * std)
+    let mut sizes = one.values.iter().zip(&one.std).map(|(value, std)| value.abs() > SIGMAS * std);
+    if one.cause.is_two() { sizes.all(|is_known| is_known) } else { sizes.any(|is_known| is_known) }
 }
 
 fn chance_of(departures: &Departures<'_>, squares: f64) -> f64 {
@@ -115,13 +118,23 @@ fn likeliest(rest: &Departures<'_>, tried: Vec<Explanation>, looks: usize, all: 
     // a further number must be worth its while (Akaike)
     let worth = |one: &Explanation| likelihood(one) - one.values.len() as f64;
     let is_beyond = |one: &Explanation| chance(one) < FALSE_ALARM;
-    let any = tried.iter().any(is_beyond);
-    let candidates = tried.iter().filter(|one| !any || is_beyond(one));
+    // two causes at once may be what a departure comes from, but one that no single cause shows is chance
+    let any = tried.iter().any(|one| !one.cause.is_two() && is_beyond(one));
+    let candidates = tried.iter().filter(|one| if any { is_beyond(one) } else { !one.cause.is_two() });
     // rounding does not decide between two that change all numbers alike
     let best = candidates.reduce(|best, one| if worth(one) >= worth(best) - ALIKE { one } else { best })?.clone();
     let limit = likelihood(&best) - SEPARABLE;
     let mut others: Vec<Explanation> =
         tried.into_iter().filter(|one| one.cause != best.cause && likelihood(one) > limit).collect();
     others.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    // one motor once, as what it is likeliest
+    let mut motors: Vec<usize> = best.cause.motor().into_iter().collect();
+    others.retain(|one| {
+        one.cause.motor().is_none_or(|motor| {
+            let is_new = !motors.contains(&motor);
+            motors.push(motor);
+            is_new
+        })
+    });
     Some(Chosen { chance: chance(&best), share: best.explained / all.max(f64::MIN_POSITIVE), others, best })
 }

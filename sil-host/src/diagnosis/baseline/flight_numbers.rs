@@ -1,6 +1,7 @@
 //! The numbers of one flight, from what its log shows of steady flight, sensors, motion and base model.
 
 use super::base_numbers::base_numbers;
+use super::battery::Supply;
 use super::numbers::{Number, NumberOf};
 use super::steady::{Centre, around_median, mean_of_record, steady};
 use crate::axis::Axis;
@@ -16,6 +17,8 @@ pub struct FlightNumbers {
     pub(super) numbers: Vec<Number>,
     /// Mean command of the motors, share of the full one, where the log has it, whether it is compared or not.
     pub(super) collective: Option<f64>,
+    /// What it flew on, where the log has the voltage and no rig held the vehicle.
+    pub(super) supply: Option<Supply>,
     /// True where the trims are known as changes of single motors' commands.
     pub(super) knows_motors: bool,
 }
@@ -67,6 +70,10 @@ impl FlightNumbers {
             log: LogSummary::of(log),
             numbers,
             collective: steady.collective,
+            supply: steady
+                .battery_v
+                .filter(|_| !subject.is_held())
+                .and_then(|battery_v| Supply::of(battery_v, log.flight_controller.as_deref())),
             knows_motors: steady.knows_motors,
         })
     }

@@ -2,9 +2,10 @@
 //!
 //! ```text
 //! each log -> numbers: what steady flight needs of the motors (steady), the base model's gains, lateness, biases
-//!                      (base_numbers)
-//! normal flights -> mean and spread between flights (normal) -> departures of the flight in question
-//!                      what gyro, attitude and commands say of each other without a model (log::sanity::figures)
+//!                      (base_numbers), what gyro, attitude and commands say of each other without a model
+//!                      (log::sanity::figures)
+//! normal flights -> as at this flight's battery voltage (battery) -> mean and spread between flights (normal)
+//!                -> departures of the flight in question
 //! causes: how each changes all numbers together -> choice: beyond chance? the likeliest, and what is about as likely
 //! ```
 //!
@@ -13,6 +14,7 @@
 
 mod answer;
 mod base_numbers;
+mod battery;
 mod causes;
 mod choice;
 mod flight_numbers;
@@ -31,6 +33,7 @@ use super::{Subject, Verdict};
 use crate::log::Log;
 use crate::prediction::NotPredictable;
 pub use answer::{Baseline, BaselineDiagnosis, Compared, Difference};
+pub use battery::AtVoltage;
 use causes::Departures;
 pub use flight_numbers::FlightNumbers;
 pub use normal::BetweenFlights;
@@ -124,7 +127,11 @@ pub fn compare_flights(
         Subject::Vehicle(model) => model.propulsion.lift_n(command.min(1.0)),
         Subject::Axes | Subject::Bench(_) => PROPORTIONAL(command),
     };
-    let collectives: Option<Vec<f64>> = flights.iter().map(|flight| flight.collective).collect();
+    let collective = |flight: &FlightNumbers| {
+        let held = normal.at_voltage.zip(flight.supply).zip(flight.collective);
+        held.map(|((at, supply), own)| at.held(NumberOf::Collective, own, supply.battery_v)).or(flight.collective)
+    };
+    let collectives: Option<Vec<f64>> = flights.iter().map(collective).collect();
     let departures = Departures {
         normal: &normal,
         by: normal.numbers.iter().map(|number| by(number.mean, number.of)).collect(),
@@ -154,6 +161,7 @@ pub fn compare_flights(
         between: given.between,
         usual_spread_as_flights: USUAL_FLIGHTS,
         degrees_of_freedom: normal.freedom,
+        at_voltage: normal.at_voltage,
         numbers: compared.collect(),
         looks: choice.looks,
         chance: choice.chance,

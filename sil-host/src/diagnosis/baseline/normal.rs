@@ -2,6 +2,7 @@
 //! next. A few flights hardly show the latter, so that a usual spread counts as much as [`USUAL_FLIGHTS`] of them; one
 //! flight shows nothing of it, and the usual one is all there is.
 
+use super::battery::AtVoltage;
 use super::flight_numbers::FlightNumbers;
 use super::numbers::{Number, NumberOf};
 use crate::axis::Axis;
@@ -74,6 +75,8 @@ pub(super) struct Expected {
 /// Normal flights, held against one more.
 pub(super) struct Normal {
     pub(super) numbers: Vec<Expected>,
+    /// At which voltage they are held, where all flights have one.
+    pub(super) at_voltage: Option<AtVoltage>,
     /// Degrees of freedom of all of its spreads.
     pub(super) freedom: f64,
 }
@@ -86,17 +89,20 @@ impl Normal {
             BetweenFlights::SameFlight => stretches_beyond_one(flights, suspect).unwrap_or(USUAL_FLIGHTS),
             _ => USUAL_FLIGHTS + count - 1.0,
         };
+        let at_voltage = AtVoltage::of(flights, suspect, between);
         let mut numbers = Vec::new();
         for number in &suspect.numbers {
-            let normal: Vec<&Number> = flights.iter().filter_map(|flight| flight.get(number.of)).collect();
+            let normal: Vec<(&FlightNumbers, &Number)> =
+                flights.iter().filter_map(|flight| Some((flight, flight.get(number.of)?))).collect();
             if normal.is_empty() || normal.len() < flights.len() {
                 continue;
             }
-            if let (BetweenFlights::SameFlight, [other]) = (between, &normal[..]) {
+            if let (BetweenFlights::SameFlight, [(_, other)]) = (between, &normal[..]) {
                 numbers.push(of_one_flight(number, other, 1.0 / suspect.log.rate_hz));
                 continue;
             }
-            let normal: Vec<Estimate> = normal.iter().map(|number| number.own).collect();
+            let normal: Vec<Estimate> =
+                normal.iter().map(|(flight, number)| held(at_voltage.as_ref(), flight, number)).collect();
             let mean = normal.iter().map(|own| own.value).sum::<f64>() / count;
             let squares: f64 = normal.iter().map(|own| (own.value - mean) * (own.value - mean)).sum();
             let within = normal.iter().map(|own| own.std * own.std).sum::<f64>() / count;
@@ -108,16 +114,23 @@ impl Normal {
             let usual = usual.max(within.sqrt());
             let variance = (USUAL_FLIGHTS * usual * usual + squares) / freedom;
             let less_known = (number.own.std * number.own.std - within).max(0.0);
-            let std = (variance * (1.0 + 1.0 / count) + less_known).sqrt();
+            let of_voltage = at_voltage.map_or(0.0, |at| at.std_of(number.of, mean));
+            let std = (variance * (1.0 + 1.0 / count) + less_known + of_voltage * of_voltage).sqrt();
             numbers.push(Expected { of: number.of, mean, spread: variance.sqrt(), std });
         }
-        Normal { numbers, freedom }
+        Normal { numbers, at_voltage, freedom }
     }
 
     /// Mean of a number, where it is compared.
     pub(super) fn mean(&self, of: NumberOf) -> Option<f64> {
         self.numbers.iter().find(|number| number.of == of).map(|number| number.mean)
     }
+}
+
+/// A normal flight's number as it would be at the voltage of the flight in question.
+fn held(at_voltage: Option<&AtVoltage>, flight: &FlightNumbers, number: &Number) -> Estimate {
+    let held = at_voltage.zip(flight.supply).map(|(at, supply)| at.held(number.of, number.own.value, supply.battery_v));
+    Estimate { value: held.unwrap_or(number.own.value), ..number.own }
 }
 
 /// A number of one of two records, and where that of the other is expected. When within its row a command began is
@@ -139,7 +152,8 @@ fn stretches_beyond_one(flights: &[FlightNumbers], suspect: &FlightNumbers) -> O
     suspect.numbers.iter().filter_map(of).min_by(f64::total_cmp)
 }
 
-fn usual(of: NumberOf, mean: f64, between: BetweenFlights) -> f64 {
+/// What flights of one vehicle usually differ by.
+pub(super) fn usual(of: NumberOf, mean: f64, between: BetweenFlights) -> f64 {
     let commands = match between {
         BetweenFlights::Serviced | BetweenFlights::SameFlight => SERVICED,
         BetweenFlights::Untouched => UNTOUCHED,

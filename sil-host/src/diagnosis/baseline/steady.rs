@@ -27,6 +27,7 @@ pub(super) struct Steady {
     /// Trims and collective, of vehicles that no rig holds.
     pub(super) numbers: Vec<Number>,
     pub(super) collective: Option<f64>,
+    pub(super) battery_v: Option<f64>,
     pub(super) knows_motors: bool,
 }
 
@@ -71,6 +72,7 @@ pub(super) fn steady(log: &Log, subject: &Subject<'_>, centre: Centre) -> Result
     Ok(Steady {
         numbers,
         collective: collective.map(|of| of.own.value),
+        battery_v: log.battery_v.as_ref().map(|battery_v| centre_of(&|row| battery_v[row]).own.value),
         knows_motors: motors.is_some() || log.motor_per_axis_command.is_some(),
     })
 }

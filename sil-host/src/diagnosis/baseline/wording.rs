@@ -21,8 +21,8 @@ const OTHERS_MAX: usize = 3;
 impl Cause {
     fn origin(self) -> Origin {
         match self {
-            Cause::WeakMotor(_) | Cause::Lift | Cause::Delay | Cause::Lag => Origin::Actuator,
-            Cause::Commands { .. } => Origin::Actuator,
+            Cause::WeakMotor(_) | Cause::WeakMotorAndMass(_) | Cause::Lift => Origin::Actuator,
+            Cause::Delay | Cause::Lag | Cause::Commands { .. } => Origin::Actuator,
             Cause::GyroBias(_) | Cause::GyroScale(_) | Cause::AttitudeDelay | Cause::Turn { .. } => Origin::Sensor,
             _ => Origin::Plant,
         }
@@ -31,7 +31,9 @@ impl Cause {
     /// What would show whether it is the cause.
     fn measurement(self) -> String {
         match self {
-            Cause::WeakMotor(motor) => format!("fly again with another propeller on motor {}", motor + 1),
+            Cause::WeakMotor(motor) | Cause::WeakMotorAndMass(motor) => {
+                format!("fly again with another propeller on motor {}", motor + 1)
+            }
             Cause::Weight | Cause::Mass => "weigh the vehicle".to_owned(),
             Cause::MassShift => "find the centre of gravity by balancing the vehicle".to_owned(),
             Cause::Moment(_) => "look for a motor that is tilted on its arm".to_owned(),
@@ -96,10 +98,7 @@ impl Wording<'_> {
 
     /// Its parameters by name, and their standard deviations carried over from the sizes'.
     fn parameters(&self, one: &Explanation) -> BTreeMap<&'static str, Estimate> {
-        let at = |size: f64| self.main(one.cause, size);
-        let (size, std) = (one.values[0], one.std[0]);
-        let slope = (at(size + 0.5 * std) - at(size - 0.5 * std)) / std;
-        let main = Estimate { value: at(size), std: (slope * std).abs() };
+        let main = self.main_estimate(one.cause, one.values[0], one.std[0]);
         let mut parameters = BTreeMap::from([(main_name(one.cause), main)]);
         let further: &[&'static str] = match one.cause {
             Cause::Weight => &["", "left_of_centre", "ahead_of_centre"],
@@ -109,10 +108,19 @@ impl Wording<'_> {
         for ((name, value), std) in further.iter().zip(&one.values).zip(&one.std).skip(1) {
             parameters.insert(*name, Estimate { value: *value, std: *std });
         }
-        if let Cause::WeakMotor(motor) = one.cause {
+        if let Cause::WeakMotorAndMass(_) = one.cause {
+            parameters.insert("mass_scale", self.main_estimate(Cause::Mass, one.values[1], one.std[1]));
+        }
+        if let Some(motor) = one.cause.motor() {
             parameters.insert("motor", Estimate { value: (motor + 1) as f64, std: 0.0 });
         }
         parameters
+    }
+
+    /// The first parameter of a cause of this size.
+    fn main_estimate(&self, cause: Cause, size: f64, std: f64) -> Estimate {
+        let at = |size: f64| self.main(cause, size);
+        Estimate { value: at(size), std: (at(size + 0.5 * std) - at(size - 0.5 * std)).abs() }
     }
 
     /// The first parameter at a size.
@@ -120,7 +128,7 @@ impl Wording<'_> {
         let collective = self.departures.collective.unwrap_or_default();
         let lift = |command: f64| (self.departures.lift)(command.max(0.0));
         match cause {
-            Cause::WeakMotor(motor) => {
+            Cause::WeakMotor(motor) | Cause::WeakMotorAndMass(motor) => {
                 if self.departures.is_held {
                     // there the trims are moments, of the lift that is lost at equal command
                     let slope = (lift(collective + STEP) - lift(collective - STEP)) / (2.0 * STEP);
@@ -155,9 +163,15 @@ impl Wording<'_> {
         let [low, high] = self.interval(one);
         let between = format!("{low:.3} to {high:.3}");
         match one.cause {
-            Cause::WeakMotor(motor) => {
+            Cause::WeakMotor(motor) | Cause::WeakMotorAndMass(motor) => {
                 let (number, place) = (motor + 1, motor_place(motor));
-                format!("motor {number} ({place}) lifts {size} of what it lifted at equal command (95 %: {between})")
+                let also = match parameters.get("mass_scale") {
+                    Some(mass) => format!(", and the vehicle is {mass} as heavy, or all motors lift as much less"),
+                    None => String::new(),
+                };
+                format!(
+                    "motor {number} ({place}) lifts {size} of what it lifted at equal command (95 %: {between}){also}"
+                )
             }
             Cause::Weight => {
                 let off = |at: usize, [positive, negative]: [&str; 2]| {
@@ -234,7 +248,7 @@ impl Wording<'_> {
 
 fn main_name(cause: Cause) -> &'static str {
     match cause {
-        Cause::WeakMotor(_) | Cause::Mass | Cause::Lift | Cause::Inertia(_) => "scale",
+        Cause::WeakMotor(_) | Cause::WeakMotorAndMass(_) | Cause::Mass | Cause::Lift | Cause::Inertia(_) => "scale",
         Cause::Commands { .. } | Cause::GyroScale(_) => "scale",
         Cause::Weight => "mass_scale",
         Cause::MassShift => "roll_trim",
