@@ -28,10 +28,9 @@
 
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;
-use super::mapped_column::{Made, Term};
-use super::messages::{Messages, NoField, Table};
+use super::mapped_column::{MappedColumn, Term};
+use super::messages::{Messages, NoField};
 use super::quantity::Quantity;
-use super::rate_of_change::rate_of_change;
 
 /// The recording of one flight.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -186,28 +185,29 @@ impl Recording {
                 present,
             },
         };
+        let of_kind = |kind: &str, mapped: &MappedColumn| {
+            let readings = |Term { column, .. }: &Term| {
+                // each kind has a time of its own
+                let is_time = mapped.quantity == Quantity::Time;
+                let field = if is_time { messages.without_kind(column) } else { column };
+                messages.of_kind(kind, field).map_err(|no| missing(field, mapped.quantity, no))
+            };
+            let columns: Vec<&[f64]> = mapped.terms.iter().map(readings).collect::<Result<_, LogError>>()?;
+            Ok::<Vec<f64>, LogError>(mapped.of_columns(&columns))
+        };
         let (times, values): (Vec<_>, Vec<_>) =
             map.columns.iter().partition(|mapped| mapped.quantity == Quantity::Time);
         let mut streams: Vec<Stream> = Vec::new();
         for mapped in values {
             let first = mapped.terms.first().map_or("", |term| term.column.as_str());
             let kind = messages.kind_of(first).map_err(|no| missing(first, mapped.quantity, no))?;
-            let mut parts: Vec<Vec<f64>> = Vec::new();
-            for Term { column, scale } in &mapped.terms {
-                let readings = messages.of_kind(kind, column).map_err(|no| missing(column, mapped.quantity, no))?;
-                parts.push(readings.iter().map(|reading| scale * reading).collect());
-            }
-            let value = mapped.of_parts(&parts, messages.table(kind).map_or(0, Table::rows));
+            let value = of_kind(kind, mapped)?;
             if streams.iter().all(|stream| stream.name != *kind) {
                 let time = times.first().ok_or_else(|| missing("time", Quantity::Time, NoField::default()))?;
-                let called = time.called();
-                let field = messages.without_kind(&called);
-                let stamps = messages.of_kind(kind, field).map_err(|no| missing(field, Quantity::Time, no))?;
-                let scale = time.terms.first().map_or(1.0, |term| term.scale);
-                streams.push(Stream::at(kind, stamps.iter().map(|stamp| scale * stamp + time.offset).collect()));
+                streams.push(Stream::at(kind, of_kind(kind, time)?));
             }
             if let Some(stream) = streams.iter_mut().find(|stream| stream.name == *kind) {
-                let value = if mapped.made == Made::RateOf { rate_of_change(&stream.time_s, &value) } else { value };
+                let value = mapped.over_time(&stream.time_s, value);
                 stream.add(mapped.quantity, &mapped.called().replace(&format!("{kind}."), ""), value);
             }
         }
