@@ -1,5 +1,6 @@
 //! Whose motor is which of ours: the four rotors of an X by where they stand and how they turn.
 
+use super::recording::FactValue;
 use shared_control::airframe::MOTORS;
 
 /// A rotor of somebody's numbering.
@@ -24,8 +25,10 @@ impl Rotor {
 }
 
 /// What the fact `spin` says where all rotors turn the other way than ours do.
-pub(super) const SPIN_REVERSED: &str =
-    "the rotors turn the other way than docs/rig.md's: yaw answers to the motors with the other sign";
+pub(super) fn spin_reversed() -> FactValue {
+    let said = "the rotors turn the other way than docs/rig.md's: yaw answers to the motors with the other sign";
+    FactValue::Text(said.to_owned())
+}
 
 /// Which of our motors four rotors are.
 #[derive(Clone, Copy, Debug, PartialEq)]

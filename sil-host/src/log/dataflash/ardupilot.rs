@@ -2,8 +2,8 @@
 //! forward-right-down, world north-east-down, angles in degrees, rates in rad/s, outputs as pulse widths in us.
 
 use super::super::messages::Messages;
-use super::super::motor_order::{MotorOrder, Rotor, SPIN_REVERSED};
-use super::super::quantity::Quantity;
+use super::super::motor_order::{MotorOrder, Rotor, spin_reversed};
+use super::super::quantity::{DEGREE_RAD, Quantity};
 use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
 use super::super::turned::PLUS_DEG;
 use crate::axis::Axis;
@@ -14,8 +14,6 @@ pub(super) const MESSAGES: [&str; 11] =
     ["IMU", "ATT", "AHR2", "RCIN", "RCOU", "BAT", "CURR", "XKF1", "NKF1", "EKF1", "ESC"];
 /// The estimators' messages, the newest kind first.
 const ESTIMATORS: [&str; 3] = ["XKF1", "NKF1", "EKF1"];
-
-const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
 /// Parameter, name of the fact, factor to its unit. Names have changed: the later ones are older.
 const PARAMETERS: [(&str, &str, f64); 38] = [
@@ -248,7 +246,7 @@ fn motor_order(messages: &Messages, facts: &mut Vec<Fact>, frame_turn_deg: &mut 
         facts.push(make(&format!("motor{}", motor + 1), FactValue::Text(text), &source));
     }
     if order.is_spin_reversed {
-        facts.push(make("spin", FactValue::Text(SPIN_REVERSED.to_owned()), &source));
+        facts.push(make("spin", spin_reversed(), &source));
     }
     Ok(order.given)
 }
