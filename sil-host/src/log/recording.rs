@@ -4,7 +4,7 @@
 //! A file in a flight controller's own format becomes a [`super::Log`] in three steps, each a file or a folder:
 //!
 //! 1. **Messages** (`messages.rs`): what stands in the file, in its own names and units. `ulog/`, `dataflash/`,
-//!    `blackbox/` and `usdlog.rs` read them, with crates where there is a kept one.
+//!    `blackbox/` and `usdlog/` read them, with crates where there is a kept one.
 //! 2. **Recording** (this file): what the messages mean. The conventions of the flight controller and its parameters
 //!    give quantity, unit, sign and motor number; everything is now in SI units, in the frames and motor numbers of
 //!    docs/rig.md. Each column says which field it came from, each [`Fact`] where it stands, and whether the file says
@@ -125,6 +125,22 @@ impl Fact {
     /// What is taken for granted because the file is silent.
     pub(super) fn assumed(name: &str, value: FactValue, why: &str) -> Fact {
         Fact { name: name.to_owned(), value, source: why.to_owned(), is_assumed: true }
+    }
+}
+
+/// A number by the first of some parameters that the file has and whose number counts, else what is usual, which the
+/// why says; and the fact that it is.
+pub(super) fn said_or_usual(
+    messages: &Messages,
+    fact: &str,
+    names: &[String],
+    counts: fn(f64) -> bool,
+    (usual, why): (f64, &str),
+) -> (f64, Fact) {
+    let number = |name: &str| messages.parameter(name).filter(|number| counts(*number));
+    match names.iter().find_map(|name| Some((name, number(name)?))) {
+        Some((name, number)) => (number, Fact::said(fact, FactValue::Number(number), &format!("parameter {name}"))),
+        None => (usual, Fact::assumed(fact, FactValue::Number(usual), why)),
     }
 }
 

@@ -5,7 +5,7 @@
 use shared_control::learning::adoption::LearntModel;
 
 use super::super::messages::{Messages, Table};
-use super::super::motor_order::{MotorOrder, Rotor, spin_reversed};
+use super::super::motor_order::{MotorOrder, Rotor, no_quadrotor, spin_reversed};
 use super::super::quantity::Quantity;
 use super::super::quaternions::euler_columns;
 use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
@@ -80,12 +80,8 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     let mut recording = head(messages);
     let kind = messages.parameter("MAV_TYPE");
     if let Some(kind) = kind.filter(|kind| *kind != QUADROTOR) {
-        let called = KINDS.iter().find(|(kinds, _)| kinds.contains(&kind)).map(|(_, called)| format!(", {called}"));
-        return Err(format!(
-            "the vehicle is no quadrotor: its parameter MAV_TYPE is {kind}{}; only quadrotors are simulated, and if it \
-             is one all the same, a --map that names the fields reads it",
-            called.unwrap_or_default()
-        ));
+        let called = KINDS.iter().find(|(kinds, _)| kinds.contains(&kind)).map(|(_, called)| *called);
+        return Err(no_quadrotor("MAV_TYPE", kind, called));
     }
     let order = motor_order(messages, &mut recording.facts, &mut recording.frame_turn_deg)?;
     recording.streams.extend(rates(messages));
