@@ -127,3 +127,26 @@ fn stream_of(fields: &[Field], rows: Rows) -> Stream {
 fn error_in(file: &str, line: Option<usize>, column: Option<String>, kind: LogErrorKind) -> LogError {
     LogError { file: file.to_owned(), line, column, kind }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refusal_names_every_column_of_a_quantity_and_says_what_it_makes_of_them() {
+        let map = "description = \"\"\nframe = \"FRD\"\naxes = [\"roll\"]\n[quantities]\ntime_s = { column = \"t\" }\n\
+                   roll_rad = { euler_of = [\"qw\", \"qx\", \"qy\", \"qz\"] }\n\
+                   roll_cmd = { columns = { left = 0.5, right = -1.5 } }\n";
+        let map = Map::parse("m", map).unwrap();
+        for (row, said) in [
+            ("0,1,x,0,0,0.5,0.5", "`qw, qx, qy, qz`: expected a number, found `x`"),
+            ("0,1,0,0,inf,0.5,0.5", "`qw, qx, qy, qz`: expected a finite number, found `inf`"),
+            ("0,1,0,0,0,0.5,y", "`left + right`: expected a number, found `y`"),
+            ("0,1,0,0,0,1e308,-1.7e308", "`left + right`: expected a finite number, found `1e308 + -1.7e308`"),
+        ] {
+            let text = format!("t,qw,qx,qy,qz,left,right\n{row}\n");
+            let error = parse("log.csv", &text, Some(&map)).unwrap_err().to_string();
+            assert!(error.starts_with("log.csv:2: ") && error.contains(said), "{error}");
+        }
+    }
+}

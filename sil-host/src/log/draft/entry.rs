@@ -1,4 +1,5 @@
-//! One line of a drafted map, from a column's name and values: key with its unit, scale, and the reason for each.
+//! One line of a drafted map, from a column's name: key with its unit, scale, and the reason for each. What no name
+//! says of a unit follows from the values (`units`).
 
 use super::names::{Named, is_decoded, is_in_rad_s, is_place};
 use super::quaternion::Quaternion;

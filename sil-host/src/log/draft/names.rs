@@ -31,6 +31,8 @@ const THRUST: [&str; 5] = ["thrust", "throttle", "collective", "thr", "t"];
 const MOTOR: [&str; 4] = ["m", "motor", "motors", "mot"];
 const OUTPUT: [&str; 8] = ["out", "output", "outputs", "esc", "pwm", "u", "thrust", "throttle"];
 const SPEED: [&str; 2] = ["rpm", "erpm"];
+/// What is measured at a motor and drives nothing.
+const AT_A_MOTOR: [&str; 5] = ["temp", "temperature", "current", "voltage", "power"];
 
 /// Words of a processor's clock, which yield to a time.
 const CLOCK: [&str; 4] = ["tick", "ticks", "millis", "micros"];
@@ -105,7 +107,10 @@ pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
     let is_turning = has(&RATE) || has(&ANGULAR) && has(&["vel", "velocity"]);
     let quantity = if first_is(&["t", "time", "timestamp", "elapsed", "clock", "seconds"]) && !has(&COMMAND) {
         Quantity::Time
-    } else if first_is(&RECEIVER) || has(&ANGULAR) && has(&ACCELEROMETER) {
+    } else if first_is(&RECEIVER)
+        || has(&ANGULAR) && has(&ACCELEROMETER)
+        || has(&AT_A_MOTOR) && (has(&MOTOR) || has(&OUTPUT))
+    {
         return None;
     } else if first_is(&["q"]) && family.and_then(Family::first_motor).is_some() {
         // four of them are a quaternion's
@@ -169,8 +174,8 @@ pub(super) fn is_place(name: &str) -> bool {
 }
 
 /// A motor's command or a rotor's speed, and how sure that is: `m1`, `motor_1`, `rpm1`, `m1_rads`; numbers from 1, in
-/// brackets from 0, if the names beside it do not say else; or a place, `pwm_fl`. Outputs are motors', and `omega1` is a
-/// rotor's speed, where there are four.
+/// brackets from 0, if the names beside it do not say else; or a place, `pwm_fl`. Outputs are motors', and `omega1` is
+/// a rotor's speed, where there are four.
 fn motor(words: &[String], family: Option<Family>, usual_first: usize) -> Option<(Quantity, usize)> {
     let is_any = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let of_four = family.and_then(Family::first_motor);
@@ -271,9 +276,18 @@ mod tests {
             let said = named(name, None).unwrap_or_else(|| panic!("{name}"));
             assert_eq!((said.quantity, said.unit), (quantity, unit), "{name}");
         }
-        for name in
-            ["x_m", "v_m_s", "q_sp_rad_s", "controller_rollRate", "motors_on", "note", "rcCommand[1]", "channels_roll"]
-        {
+        for name in [
+            "x_m",
+            "v_m_s",
+            "q_sp_rad_s",
+            "controller_rollRate",
+            "motors_on",
+            "note",
+            "rcCommand[1]",
+            "channels_roll",
+            "motor1_temp",
+            "esc_fl_voltage",
+        ] {
             assert_eq!(named(name, None).map(|said| said.quantity), None, "{name}");
         }
         let three = Families::of(["heading[0]", "heading[1]", "heading[2]"].into_iter());

@@ -16,6 +16,11 @@ const NEAR: f64 = 0.06;
 /// From this length on it is counts: no quadrotor is pushed by 10 g for half of its log.
 const COUNTS_FROM: f64 = 100.0;
 
+/// A motor's largest command over DShot.
+const DSHOT_MAX: f64 = 2047.0;
+/// No vehicle flies by less than this share of 16 bits.
+const OF_16_BITS_MIN: f64 = 0.2;
+
 /// Angles, references and rates are in degrees where the largest of their kind is too large for radians.
 pub(super) fn share(entries: &mut [Entry], table: &Table) {
     let group = |quantity: Quantity| match quantity {
@@ -74,11 +79,6 @@ pub(super) fn weigh(entries: &mut [Entry], table: &Table) {
         entry.why.push(why.clone());
     }
 }
-
-/// A motor's largest command over DShot.
-const DSHOT_MAX: f64 = 2047.0;
-/// No vehicle flies by less than this share of 16 bits.
-const OF_16_BITS_MIN: f64 = 0.2;
 
 /// Whose commands are of one unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
