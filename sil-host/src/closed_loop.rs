@@ -13,7 +13,7 @@ use crate::plant::Plant;
 use crate::prediction::NotPredictable;
 use crate::scenario::{DURATION_MAX_S, Scenario, Waypoint};
 use crate::sensors::Sensors;
-use crate::statistics::mean_absolute_deviation;
+use crate::statistics::{mean_absolute_deviation, median};
 
 /// A log that can't be held against the simulation.
 #[derive(Debug, thiserror::Error)]
@@ -136,11 +136,8 @@ fn reference_scenario(log: &Log) -> Option<Scenario> {
 fn usual_throttle(log: &Log, model: &VehicleModel) -> Option<f64> {
     let motors = log.motors()?;
     let lift_n = |command: f64| model.propulsion.equilibrium(command.clamp(0.0, 1.0)).lift_n;
-    let mut mean_lifts: Vec<f64> =
-        (0..log.rows()).map(|row| motors.iter().map(|motor| lift_n(motor[row])).sum::<f64>() / 4.0).collect();
-    mean_lifts.sort_by(f64::total_cmp);
-    let wanted_n = *mean_lifts.get(mean_lifts.len() / 2)?;
-    Some(command_for_lift(model, wanted_n))
+    let mean_lift_n = |row: usize| motors.iter().map(|motor| lift_n(motor[row])).sum::<f64>() / 4.0;
+    Some(command_for_lift(model, median((0..log.rows()).map(mean_lift_n).collect())))
 }
 
 /// A series at other times, linear in between, held at its ends.

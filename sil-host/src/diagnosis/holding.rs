@@ -57,6 +57,21 @@ impl fmt::Display for Holding {
     }
 }
 
+/// What commands hold against, and what follows for whoever reads the numbers, in words; none where they hold against
+/// nothing.
+pub(crate) fn held_against(holding: &[Holding]) -> Option<String> {
+    let axes: Vec<&str> = holding.iter().map(|of| of.axis).collect();
+    (!axes.is_empty()).then(|| {
+        format!(
+            "Something that no log shows (wind, the propellers' own wake) moves this vehicle about {}, and the \
+             commands hold against it. The base model is fitted with that in mind. Replayed open loop the commands \
+             answer what the replay does not have: a model that knows what they do then misses more than one that does \
+             not, and how much it misses is no test of it.",
+            axes.join(", ")
+        )
+    })
+}
+
 /// The gain of an axis if disturbances last.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LastingGain {

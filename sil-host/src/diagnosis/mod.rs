@@ -86,6 +86,7 @@ use fitting::fit::{Fit, as_terms, model_of};
 use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
+pub(crate) use holding::held_against;
 pub use holding::{Holding, LastingGain};
 pub use identification::{
     BenchIdentification, Identification, Identified, KnownScale, NotIdentified, ShownFlight, effectiveness_rad_s2,

@@ -47,12 +47,6 @@ impl Log {
             ..joined
         })
     }
-
-    /// Rows per second between gaps.
-    pub fn rate_hz_without_gaps(&self) -> f64 {
-        let step_s = self.mean_regular_step_s();
-        if step_s > 0.0 { 1.0 / step_s } else { 0.0 }
-    }
 }
 
 /// The columns that all logs have, each log so much later.

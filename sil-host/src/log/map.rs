@@ -233,17 +233,13 @@ impl MapText<'_> {
         let to_log = sign_of_frame(quantity) * factor;
         let scale = to_log * entry.sign * entry.scale;
         let (fields, made) = match (entry.column, entry.columns, entry.rate_of, entry.euler_of) {
-            (Some(column), None, None, None) => (vec![(column, scale)], Made::Sum),
+            (Some(column), None, None, None) => (vec![(column, 1.0)], Made::Sum),
             (None, Some(columns), None, None) if columns.values().all(|share| share.is_finite() && *share != 0.0) => {
-                (columns.into_iter().map(|(column, share)| (column, scale * share)).collect(), Made::Sum)
+                (columns.into_iter().collect(), Made::Sum)
             }
             (None, Some(_), None, None) => return fail("each of columns must have a finite number that is not 0"),
-            (None, None, Some(column), None) => (vec![(column, scale)], Made::RateOf),
-            (None, None, None, Some(columns)) => {
-                // whatever the unit of the key, a quaternion's angles come in radians
-                let scale = scale / factor;
-                (columns.map(|column| (column, 1.0)).into(), Made::EulerOf { scale })
-            }
+            (None, None, Some(column), None) => (vec![(column, 1.0)], Made::RateOf),
+            (None, None, None, Some(columns)) => (columns.map(|column| (column, 1.0)).into(), Made::EulerOf),
             _ => (Vec::new(), Made::Sum),
         };
         if fields.is_empty() {
@@ -255,13 +251,13 @@ impl MapText<'_> {
         if made == Made::RateOf && (!matches!(quantity, Quantity::Velocity(_)) || entry.offset != 0.0) {
             return fail("rate_of makes a velocity of a place, without offset");
         }
-        if let Made::EulerOf { .. } = made
-            && (!matches!(quantity, Quantity::Angle(_)) || entry.scale != 1.0)
-        {
+        if made == Made::EulerOf && (!matches!(quantity, Quantity::Angle(_)) || entry.scale != 1.0) {
             return fail("euler_of makes roll_rad, pitch_rad or yaw_rad of a quaternion, without scale");
         }
-        let terms = fields.into_iter().map(|(column, scale)| Term { column, scale }).collect();
-        Ok(MappedColumn { quantity, terms, offset: to_log * entry.offset, made })
+        // whatever the unit of the key, a quaternion's angles come in radians
+        let scale = if made == Made::EulerOf { scale / factor } else { scale };
+        let terms = fields.into_iter().map(|(column, share)| Term { column, share }).collect();
+        Ok(MappedColumn { quantity, terms, scale, offset: to_log * entry.offset, made })
     }
 
     fn turn(&self, given: &Spanned<f64>) -> Result<f64, LogError> {
@@ -381,11 +377,11 @@ mod tests {
                 _ => false,
             };
             let sign = if turned { -1.0 } else { 1.0 };
-            assert_eq!((flu.terms[0].scale, flu.offset), (sign * frd.terms[0].scale, sign * frd.offset));
+            assert_eq!((flu.scale, flu.offset), (sign * frd.scale, sign * frd.offset));
         }
         let q = &flu.columns[2];
         assert_eq!(q.quantity, Quantity::Rate(Axis::Pitch));
-        assert_eq!(q.terms[0].scale, -(2.0_f64 * (std::f64::consts::PI / 180.0)));
+        assert_eq!(q.scale, -(2.0_f64 * (std::f64::consts::PI / 180.0)));
         assert_eq!(q.offset, -(3.0_f64 * (std::f64::consts::PI / 180.0)));
     }
 }

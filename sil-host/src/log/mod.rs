@@ -31,6 +31,7 @@ mod quaternions;
 mod rate_of_change;
 mod recording;
 mod rig_shown;
+mod runs;
 pub mod sanity;
 mod source;
 mod style;
@@ -44,6 +45,7 @@ mod write;
 use std::path::Path;
 
 use crate::model::Rig;
+use crate::statistics::median_step;
 pub use contradiction::{Contradiction, MapLine};
 pub use csv::parse;
 pub use error::{LogError, LogErrorKind, ROWS_MIN};
@@ -262,9 +264,7 @@ impl Log {
 
     /// Median time from row to row, s; 0 for a log of one row.
     pub fn median_step_s(&self) -> f64 {
-        let mut steps: Vec<f64> = self.time_s.windows(2).map(|t| t[1] - t[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+        median_step(&self.time_s).unwrap_or(0.0)
     }
 
     /// Mean time from row to row, gaps left out, s: where rows come unevenly, as those of a 300 Hz log of a 400 Hz

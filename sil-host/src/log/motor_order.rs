@@ -1,5 +1,7 @@
-//! Whose motor is which of ours: the four rotors of an X by where they stand and how they turn.
+//! Whose motor is which of ours: the four rotors of an X by where they stand and how they turn; and vehicles that have
+//! other rotors.
 
+use super::recording::FactValue;
 use shared_control::airframe::MOTORS;
 
 /// A rotor of somebody's numbering.
@@ -24,8 +26,20 @@ impl Rotor {
 }
 
 /// What the fact `spin` says where all rotors turn the other way than ours do.
-pub(super) const SPIN_REVERSED: &str =
-    "the rotors turn the other way than docs/rig.md's: yaw answers to the motors with the other sign";
+pub(super) fn spin_reversed() -> FactValue {
+    let said = "the rotors turn the other way than docs/rig.md's: yaw answers to the motors with the other sign";
+    FactValue::Text(said.to_owned())
+}
+
+/// Why a log of another vehicle is refused: the parameter that says what it is, and what that is called where it is
+/// known.
+pub(super) fn no_quadrotor(parameter: &str, value: f64, called: Option<&str>) -> String {
+    let called = called.map(|called| format!(", {called}")).unwrap_or_default();
+    format!(
+        "the vehicle is no quadrotor: its parameter {parameter} is {value}{called}; only quadrotors are simulated, and \
+         if it is one all the same, a --map that names the fields reads it"
+    )
+}
 
 /// Which of our motors four rotors are.
 #[derive(Clone, Copy, Debug, PartialEq)]

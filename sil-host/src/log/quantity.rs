@@ -37,12 +37,15 @@ pub enum Quantity {
     Stick(Axis),
 }
 
+/// A degree, rad.
+pub(super) const DEGREE_RAD: f64 = PI / 180.0;
+
 /// A unit: how it ends a column's name, its symbol, and its size in the unit that a log holds.
 type Unit = (&'static str, &'static str, f64);
 
 const TIME: &[Unit] = &[("_s", "s", 1.0), ("_ms", "ms", 1e-3), ("_us", "us", 1e-6), ("_min", "min", 60.0)];
-const ANGLE: &[Unit] = &[("_rad", "rad", 1.0), ("_deg", "deg", PI / 180.0)];
-const RATE: &[Unit] = &[("_rad_s", "rad/s", 1.0), ("_deg_s", "deg/s", PI / 180.0)];
+const ANGLE: &[Unit] = &[("_rad", "rad", 1.0), ("_deg", "deg", DEGREE_RAD)];
+const RATE: &[Unit] = &[("_rad_s", "rad/s", 1.0), ("_deg_s", "deg/s", DEGREE_RAD)];
 const COMMAND: &[Unit] = &[("", "1", 1.0), ("_pct", "%", 0.01)];
 const VOLTAGE: &[Unit] = &[("_v", "V", 1.0), ("_mv", "mV", 1e-3)];
 const SPEED: &[Unit] = &[("", "1/min", 1.0)];

@@ -6,7 +6,7 @@ use super::quantity::Quantity;
 use crate::vehicle::euler_rad;
 
 /// Norms of what is taken for a quaternion that was rounded.
-const ROUNDED: Range<f64> = 0.9..1.1;
+pub(super) const ROUNDED: Range<f64> = 0.9..1.1;
 
 /// The Euler angle of a quantity, rad, of a quaternion w, x, y, z; NaN of what is none, or of another quantity.
 pub(super) fn euler_angle(quantity: Quantity, q: [f64; 4]) -> f64 {

@@ -4,7 +4,7 @@
 //! A file in a flight controller's own format becomes a [`super::Log`] in three steps, each a file or a folder:
 //!
 //! 1. **Messages** (`messages.rs`): what stands in the file, in its own names and units. `ulog/`, `dataflash/`,
-//!    `blackbox/` and `usdlog.rs` read them, with crates where there is a kept one.
+//!    `blackbox/` and `usdlog/` read them, with crates where there is a kept one.
 //! 2. **Recording** (this file): what the messages mean. The conventions of the flight controller and its parameters
 //!    give quantity, unit, sign and motor number; everything is now in SI units, in the frames and motor numbers of
 //!    docs/rig.md. Each column says which field it came from, each [`Fact`] where it stands, and whether the file says
@@ -28,10 +28,9 @@
 
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;
-use super::mapped_column::{Made, Term};
-use super::messages::{Messages, NoField, Table};
+use super::mapped_column::{MappedColumn, Term};
+use super::messages::{Messages, NoField};
 use super::quantity::Quantity;
-use super::rate_of_change::rate_of_change;
 
 /// The recording of one flight.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -129,6 +128,22 @@ impl Fact {
     }
 }
 
+/// A number by the first of some parameters that the file has and whose number counts, else what is usual, which the
+/// why says; and the fact that it is.
+pub(super) fn said_or_usual(
+    messages: &Messages,
+    fact: &str,
+    names: &[String],
+    counts: fn(f64) -> bool,
+    (usual, why): (f64, &str),
+) -> (f64, Fact) {
+    let number = |name: &str| messages.parameter(name).filter(|number| counts(*number));
+    match names.iter().find_map(|name| Some((name, number(name)?))) {
+        Some((name, number)) => (number, Fact::said(fact, FactValue::Number(number), &format!("parameter {name}"))),
+        None => (usual, Fact::assumed(fact, FactValue::Number(usual), why)),
+    }
+}
+
 /// The parameters of a table as facts, where the file has them: (parameter, name with unit, factor to that unit).
 pub(super) fn facts_of_parameters(messages: &Messages, table: &[(&str, &str, f64)]) -> Vec<Fact> {
     let fact = |(parameter, name, factor): &(&str, &str, f64)| {
@@ -186,28 +201,29 @@ impl Recording {
                 present,
             },
         };
+        let of_kind = |kind: &str, mapped: &MappedColumn| {
+            let readings = |Term { column, .. }: &Term| {
+                // each kind has a time of its own
+                let is_time = mapped.quantity == Quantity::Time;
+                let field = if is_time { messages.without_kind(column) } else { column };
+                messages.of_kind(kind, field).map_err(|no| missing(field, mapped.quantity, no))
+            };
+            let columns: Vec<&[f64]> = mapped.terms.iter().map(readings).collect::<Result<_, LogError>>()?;
+            Ok::<Vec<f64>, LogError>(mapped.of_columns(&columns))
+        };
         let (times, values): (Vec<_>, Vec<_>) =
             map.columns.iter().partition(|mapped| mapped.quantity == Quantity::Time);
         let mut streams: Vec<Stream> = Vec::new();
         for mapped in values {
             let first = mapped.terms.first().map_or("", |term| term.column.as_str());
             let kind = messages.kind_of(first).map_err(|no| missing(first, mapped.quantity, no))?;
-            let mut parts: Vec<Vec<f64>> = Vec::new();
-            for Term { column, scale } in &mapped.terms {
-                let readings = messages.of_kind(kind, column).map_err(|no| missing(column, mapped.quantity, no))?;
-                parts.push(readings.iter().map(|reading| scale * reading).collect());
-            }
-            let value = mapped.of_parts(&parts, messages.table(kind).map_or(0, Table::rows));
+            let value = of_kind(kind, mapped)?;
             if streams.iter().all(|stream| stream.name != *kind) {
                 let time = times.first().ok_or_else(|| missing("time", Quantity::Time, NoField::default()))?;
-                let called = time.called();
-                let field = messages.without_kind(&called);
-                let stamps = messages.of_kind(kind, field).map_err(|no| missing(field, Quantity::Time, no))?;
-                let scale = time.terms.first().map_or(1.0, |term| term.scale);
-                streams.push(Stream::at(kind, stamps.iter().map(|stamp| scale * stamp + time.offset).collect()));
+                streams.push(Stream::at(kind, of_kind(kind, time)?));
             }
             if let Some(stream) = streams.iter_mut().find(|stream| stream.name == *kind) {
-                let value = if mapped.made == Made::RateOf { rate_of_change(&stream.time_s, &value) } else { value };
+                let value = mapped.over_time(&stream.time_s, value);
                 stream.add(mapped.quantity, &mapped.called().replace(&format!("{kind}."), ""), value);
             }
         }

@@ -1,7 +1,7 @@
 //! The state of a vehicle in free flight: place, velocity, attitude as a unit quaternion, body rate. Equations:
 //! [`FreeBody`].
 
-use crate::vehicle::{Air, FreeBody};
+use crate::vehicle::{Air, FreeBody, rotated};
 
 /// Position NED (m), velocity NED (m/s), quaternion world from body (w, x, y, z), body rate (rad/s).
 pub(super) type FreeState = [f64; 13];
@@ -67,15 +67,6 @@ pub(super) fn loads_of_air(air: &Air, state: &FreeState) -> Loads {
     // the conjugate turns the world into the body
     let along = rotated([w, -x, -y, -z], air.against_m_s([vx, vy, vz]));
     Loads { torque_body_nm: air.torque_body_nm([along[0], along[1]]), push_body_n: air.push_n(along) }
-}
-
-/// A vector turned by a unit quaternion (w, x, y, z): v + 2 w (u x v) + 2 u x (u x v).
-fn rotated([w, x, y, z]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
-    let cross =
-        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    let once = cross([x, y, z], v);
-    let twice = cross([x, y, z], once);
-    core::array::from_fn(|i| v[i] + 2.0 * (w * once[i] + twice[i]))
 }
 
 /// Brings the quaternion back to length one after a step; the free state leads the array.

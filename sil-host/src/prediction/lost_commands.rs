@@ -14,6 +14,7 @@ use super::noise::{deviations, white_noise_std};
 use super::windowed_log::{Lost, WindowedLog};
 use crate::axis::Axis;
 use crate::log::Log;
+use crate::statistics::median_step;
 
 /// The rate loop of this project and of ArduPilot, and the slowest usual one of PX4.
 pub(crate) const USUAL_CONTROL_RATE_HZ: f64 = 400.0;
@@ -66,12 +67,7 @@ pub(crate) fn lateness_of_held_s(commands: &Commands) -> f64 {
 
 /// The usual time from one command to the next, s; 0 of a single one.
 pub(crate) fn usual_step_s(commands: &Commands) -> f64 {
-    let mut steps_s: Vec<f64> = commands.time_s.windows(2).map(|step| step[1] - step[0]).collect();
-    if steps_s.is_empty() {
-        return 0.0;
-    }
-    let middle = steps_s.len() / 2;
-    *steps_s.select_nth_unstable_by(middle, f64::total_cmp).1
+    median_step(&commands.time_s).unwrap_or(0.0)
 }
 
 /// Angular accelerations that lost commands leave unknown: their means from row to row, as white noise.

@@ -4,6 +4,8 @@
 //!   f = w x (w x r) + dw/dt x r          r: the IMU's place, w: the rate, body axes
 //! ```
 
+use crate::vehicle::cross;
+
 /// An IMU's place, and the rate that it saw last.
 #[derive(Clone, Debug)]
 pub(super) struct Lever {
@@ -31,10 +33,6 @@ impl Lever {
         let along = cross(acceleration_rad_s2, self.position_body_m);
         core::array::from_fn(|axis| inward[axis] + along[axis])
     }
-}
-
-fn cross([ax, ay, az]: [f64; 3], [bx, by, bz]: [f64; 3]) -> [f64; 3] {
-    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
 }
 
 #[cfg(test)]

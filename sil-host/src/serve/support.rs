@@ -5,6 +5,7 @@
 
 use crate::model::{Mounting, VehicleModel};
 use crate::plant::{Plant, Truth};
+use crate::vehicle::{cross, rotated};
 
 /// Ends of the legs about the centre of gravity: forward and sideways, and down, m.
 const LEG_M: [f64; 2] = [0.12, 0.10];
@@ -113,14 +114,4 @@ fn of_ground(truth: &Truth, mass_kg: f64, gravity_m_s2: f64, rotor_m: f64) -> ([
         }
     }
     (force_body_n, torque_body_nm)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn rotated([w, x, y, z]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
-    let once = cross([x, y, z], v);
-    let twice = cross([x, y, z], once);
-    std::array::from_fn(|i| v[i] + 2.0 * (w * once[i] + twice[i]))
 }

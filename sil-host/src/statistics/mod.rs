@@ -8,6 +8,7 @@ mod deviation;
 mod digits;
 mod f_distribution;
 mod linear;
+mod median;
 #[cfg(test)]
 pub(crate) mod noise_source;
 mod robust_fit;
@@ -21,6 +22,7 @@ pub(crate) use deviation::{variance, wrapped};
 pub(crate) use digits::decimals;
 pub(crate) use f_distribution::{f_exceeded, student_95};
 pub(crate) use linear::{Cholesky, dot, dots};
-pub(crate) use robust_fit::{RobustFit, median, robust_fit};
+pub(crate) use median::{median, median_step};
+pub(crate) use robust_fit::{RobustFit, robust_fit};
 pub use spectrum::amplitude_spectrum;
 pub use whiteness::{Correlogram, InputCorrelation, LjungBox, chi_square_99, input_correlation};

@@ -8,6 +8,7 @@
 //! Econometrics 29, 1985), so that it holds where that is not quite so.
 
 use super::linear::Cholesky;
+use super::median::median;
 
 /// Beyond so many deviations Huber's estimate weighs readings down: 95 % efficient with normal scatter.
 const HUBER: f64 = 1.345;
@@ -97,17 +98,6 @@ fn scatter_of(errors: &[f64], parameters: usize) -> f64 {
     let spare = errors.len() as f64 - parameters as f64;
     let absolute: Vec<f64> = errors.iter().map(|error| error.abs()).collect();
     PER_MEDIAN_DEVIATION * (1.0 + 5.0 / spare) * median(absolute)
-}
-
-/// The value that half of them do not exceed; NaN without any.
-pub(crate) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() {
-        0 => f64::NAN,
-        count if count % 2 == 1 => values[middle],
-        _ => 0.5 * (values[middle - 1] + values[middle]),
-    }
 }
 
 fn huber_weight(deviations: f64) -> f64 {

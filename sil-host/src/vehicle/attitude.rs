@@ -22,6 +22,20 @@ pub(crate) fn quaternion_world_from_body([roll, pitch, yaw]: [f64; 3]) -> [f64; 
     [cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy]
 }
 
+/// The cross product.
+#[inline]
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// A vector turned by a unit quaternion (w, x, y, z): v + 2 w (u x v) + 2 u x (u x v).
+#[inline]
+pub(crate) fn rotated([w, x, y, z]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+    let once = cross([x, y, z], v);
+    let twice = cross([x, y, z], once);
+    core::array::from_fn(|i| v[i] + 2.0 * (w * once[i] + twice[i]))
+}
+
 /// Rates of roll, pitch and yaw, rad/s, from the body's (p, q, r); roll and pitch as (sine, cosine).
 #[inline]
 pub(crate) fn euler_rates_rad_s(roll: (f64, f64), pitch: (f64, f64), rate_body_rad_s: [f64; 3]) -> [f64; 3] {

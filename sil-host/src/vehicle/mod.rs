@@ -24,7 +24,7 @@ mod vibration;
 pub(crate) use actuator_chain::{ActuatorChain, CommandPath, StraightLine, on_the_way};
 pub(crate) use air::Air;
 pub(crate) use airframe::{Airframe, NetSpin, signed_sums, spin_sum};
-pub(crate) use attitude::{Attitude, euler_rad, euler_rates_rad_s, quaternion_world_from_body};
+pub(crate) use attitude::{Attitude, cross, euler_rad, euler_rates_rad_s, quaternion_world_from_body, rotated};
 pub(crate) use changes::{BodyChange, Changes};
 pub(crate) use free_body::FreeBody;
 pub(crate) use gimbal::Gimbal;

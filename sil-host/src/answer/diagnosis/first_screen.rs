@@ -1,7 +1,7 @@
 //! The first screen of a diagnosis: headline, two sentences, one picture, and a card with verdict, cause, size and
 //! certainty.
 
-use crate::diagnosis::{ChannelResiduals, Diagnosis, Finding, HorizonError, Verdict};
+use crate::diagnosis::{ChannelResiduals, Diagnosis, Finding, HorizonError, Verdict, held_against};
 use crate::log::Log;
 use crate::prediction::Channel;
 use crate::report::{Card, Chart, Page, Tone};
@@ -69,8 +69,7 @@ pub fn lead(log: &Log, answer: &Diagnosis) -> Vec<String> {
     };
     // open loop says nothing of a model whose commands hold against a disturbance
     let improvement = improvement(answer).filter(|_| answer.holding.is_empty());
-    let holds = answer.warnings.last().filter(|_| !answer.holding.is_empty()).cloned();
-    improvement.into_iter().chain(holds).chain(at_limit).chain(advice).collect()
+    improvement.into_iter().chain(held_against(&answer.holding)).chain(at_limit).chain(advice).collect()
 }
 
 /// How much better the model predicts, in the channel that is shown.

@@ -9,6 +9,7 @@ use crate::log::Log;
 use crate::log::sanity::Figure;
 use crate::prediction::window::windows;
 use crate::prediction::{NotPredictable, Subject};
+use crate::statistics::median;
 use crate::vehicle::signed_sums;
 
 /// The median's deviation over the mean's, of many normal values.
@@ -89,8 +90,10 @@ pub(in crate::diagnosis) fn steady_collective(log: &Log) -> Result<Option<f64>, 
 /// changes so in every flight of it. Take-off and landing, which are a few windows, do not count.
 pub(super) fn around_median(values: Vec<f64>) -> Centred {
     let independent = (values.len() as f64 / BLOCK).max(1.0);
-    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    let scatter = OF_ABSOLUTE * median(steps) / core::f64::consts::SQRT_2;
+    let steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    // one window alone shows no scatter
+    let usual_step = if steps.is_empty() { 0.0 } else { median(steps) };
+    let scatter = OF_ABSOLUTE * usual_step / core::f64::consts::SQRT_2;
     let own = Estimate { value: median(values), std: OF_MEDIAN * scatter / independent.sqrt() };
     Centred { own, figure: None }
 }
@@ -105,13 +108,6 @@ pub(super) fn mean_of_record(values: Vec<f64>) -> Centred {
     let figure = if values.len() > 1 { Figure::of(values.len(), mean) } else { None };
     let own = Estimate { value: sum / count, std: figure.as_ref().map_or(0.0, |figure| figure.std) };
     Centred { own, figure }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let upper = values.len() / 2;
-    let at = |place: usize| values.get(place).copied().unwrap_or_default();
-    if values.len() % 2 == 1 { at(upper) } else { 0.5 * (at(upper.saturating_sub(1)) + at(upper)) }
 }
 
 #[cfg(test)]

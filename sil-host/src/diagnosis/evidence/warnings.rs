@@ -5,6 +5,7 @@ use crate::axis::Axis;
 use crate::diagnosis::Holding;
 use crate::diagnosis::base::BaseTerm;
 use crate::diagnosis::estimate::Estimate;
+use crate::diagnosis::holding::held_against;
 use crate::diagnosis::verdict::{self, QUICKEST_S};
 use crate::log::sanity::ByReference;
 use crate::prediction::WINDOW_S;
@@ -23,25 +24,13 @@ pub(in crate::diagnosis) struct Shown<'a> {
     pub(in crate::diagnosis) lateness_s: Option<Estimate>,
 }
 
-/// Of a base model's numbers, of those that are denied, and of what they predict; last what the commands hold against.
+/// Of a base model's numbers, of those that are denied, and of what they predict, or why that is no test of them.
 pub(in crate::diagnosis) fn warnings(shown: &Shown<'_>, horizons: &[Horizon]) -> Vec<String> {
     let Shown { base, by_reference, denied, holding, lateness_s } = shown;
-    let harm = if holding.is_empty() { harm(base, horizons) } else { holds(holding) };
+    let harm = held_against(holding).or_else(|| harm(base, horizons));
     let too_quick = lateness_s.filter(|_| !holding.is_empty()).and_then(too_quick);
     let reversed = Axis::ALL.into_iter().filter_map(|axis| reversed(axis.name(), base, by_reference));
     reversed.chain(held(denied)).chain(too_quick).chain(harm).collect()
-}
-
-/// What commands hold against.
-fn holds(holding: &[Holding]) -> Option<String> {
-    let axes: Vec<&str> = holding.iter().map(|of| of.axis).collect();
-    Some(format!(
-        "Something that no log shows (wind, the propellers' own wake) moves this vehicle about {}, and the commands \
-         hold against it. The base model is fitted with that in mind. Replayed open loop the commands answer what the \
-         replay does not have: a model that knows what they do then misses more than one that does not, and how much \
-         it misses is no test of it.",
-        axes.join(", ")
-    ))
 }
 
 /// Gains that are a controller's answer to disturbances.

@@ -151,7 +151,7 @@ fn source(logs: &[Log], joined: &Log) -> String {
         "{}: {:.1} s at {:.0} rows/s, three quarters of the windows of 0.5 s (the fourth is left to judge by)",
         names.join(", "),
         logs.iter().map(Log::duration_s).sum::<f64>(),
-        joined.rate_hz_without_gaps(),
+        joined.rate_hz(),
     )
 }
 

@@ -2,18 +2,14 @@
 //! `imu.c`): body axes forward-left-up, so that nose down and nose left count positive; numbers in the units that the
 //! head gives.
 
-use std::f64::consts::PI;
-
 use super::super::messages::Messages;
-use super::super::motor_order::{MotorOrder, Rotor, SPIN_REVERSED};
-use super::super::quantity::{GRAVITY_M_S2, Quantity};
+use super::super::motor_order::{MotorOrder, Rotor, spin_reversed};
+use super::super::quantity::{DEGREE_RAD, GRAVITY_M_S2, Quantity};
 use super::super::recording::{Fact, FactValue, Recording, Stream};
 use super::messages::{FRAMES, TIME};
 use crate::axis::Axis;
 use crate::statistics::wrapped;
 use crate::vehicle::signed_sums;
-
-const DEGREE_RAD: f64 = PI / 180.0;
 
 /// Lines of the head that are facts as they stand: line, name of the fact.
 const LINES: [(&str, &str); 19] = [
@@ -61,9 +57,7 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     let gyro_rad_s = gyro_unit_rad_s(messages, &mut recording.facts);
     let accelerometer = number(messages, "acc_1G").filter(|per_g| *per_g > 0.0).map(|per_g| GRAVITY_M_S2 / per_g);
     for axis in Axis::ALL {
-        let place = axis.index();
-        // forward-left-up to forward-right-down
-        let sign = if axis == Axis::Roll { 1.0 } else { -1.0 };
+        let (place, sign) = (axis.index(), Quantity::Rate(axis).sign_from_flu());
         stream = stream.with(messages, &format!("gyroADC[{place}]"), Quantity::Rate(axis), sign * gyro_rad_s);
         if let Some(unit_m_s2) = accelerometer {
             stream = stream.with(messages, &format!("accSmooth[{place}]"), Quantity::Accel(axis), sign * unit_m_s2);
@@ -128,7 +122,7 @@ fn attitude(messages: &Messages, mut stream: Stream) -> Stream {
 fn sticks(messages: &Messages, mut stream: Stream) -> Stream {
     for axis in Axis::ALL {
         let field = format!("rcCommand[{}]", axis.index());
-        let sign = if axis == Axis::Roll { 1.0 } else { -1.0 };
+        let sign = Quantity::Stick(axis).sign_from_flu();
         if let Some(column) = messages.column(FRAMES, &field) {
             let value = column.iter().map(|stick| (sign * 0.002 * stick).clamp(-1.0, 1.0)).collect();
             stream.add(Quantity::Stick(axis), &field, value);
@@ -153,7 +147,9 @@ fn motors(messages: &Messages, mut stream: Stream, facts: &mut Vec<Fact>) -> Res
     facts.push(Fact::assumed("output_min", FactValue::Number(least), "the protocol's, since output_max is its"));
     let poles = number(messages, "motor_poles").filter(|poles| *poles >= 2.0).unwrap_or(14.0);
     let turns = reversed(messages, &order);
-    facts.extend((turns == Some(true)).then(spin_reversed));
+    if turns == Some(true) {
+        facts.push(Fact::said("spin", spin_reversed(), "the motors follow the sum of axisP[2] to axisF[2] that way"));
+    }
     for (motor, given) in order.given.into_iter().enumerate() {
         let rotor = Rotor {
             is_counter_clockwise: ROTORS[given].is_counter_clockwise != (turns == Some(true)),
@@ -196,15 +192,6 @@ fn reversed(messages: &Messages, order: &MotorOrder) -> Option<bool> {
     let product = mean(&|(a, b)| (a - x) * (b - y));
     let correlation = product / (mean(&|(a, _)| (a - x) * (a - x)) * mean(&|(_, b)| (b - y) * (b - y))).sqrt();
     (correlation.abs() > FOLLOWS).then_some(correlation > 0.0)
-}
-
-/// All rotors turn the other way than docs/rig.md's.
-fn spin_reversed() -> Fact {
-    Fact::said(
-        "spin",
-        FactValue::Text(SPIN_REVERSED.to_owned()),
-        "the motors follow the sum of axisP[2] to axisF[2] that way",
-    )
 }
 
 /// Voltage is in 0.01 V since Betaflight 4 and INAV 3; what older firmware logged depends on its board.

@@ -6,6 +6,8 @@
 use std::ops::Range;
 
 use super::super::GAP_STEPS;
+use super::super::runs::runs;
+use crate::statistics::median;
 
 /// The counter begins again here, us.
 const COUNTER_US: f64 = 4_294_967_296.0;
@@ -20,26 +22,20 @@ const RUN_FRAMES_MIN: usize = 32;
 /// fit to no clock are no numbers then.
 pub(super) fn continued(time_us: &mut [f64]) -> Vec<String> {
     count_on(time_us);
-    let runs = runs(time_us);
+    let runs = going_on(time_us);
     let notes = set_forward(time_us, &runs);
     strike_strays(time_us, &runs);
     notes
 }
 
 /// Frames over which the stamps go on.
-fn runs(time_us: &[f64]) -> Vec<Range<usize>> {
-    let mut end = 0;
-    let runs = time_us.chunk_by(|before, after| (0.0..LONGEST_US).contains(&(after - before)));
-    runs.map(|run| {
-        end += run.len();
-        end - run.len()..end
-    })
-    .collect()
+fn going_on(time_us: &[f64]) -> Vec<Range<usize>> {
+    runs(time_us.len(), |frame| (0.0..LONGEST_US).contains(&(time_us[frame] - time_us[frame - 1])))
 }
 
 /// Moves each run that a clock began which was set back behind the one before, and all that follow it.
 fn set_forward(time_us: &mut [f64], runs: &[Range<usize>]) -> Vec<String> {
-    let gap_us = GAP_STEPS * median_step(time_us);
+    let gap_us = GAP_STEPS * usual_step(time_us);
     let (mut later_us, mut notes) = (0.0, Vec::new());
     let mut before: Option<[f64; 2]> = None;
     for run in runs {
@@ -99,10 +95,9 @@ fn count_on(time_us: &mut [f64]) {
     }
 }
 
-fn median_step(time_us: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = time_us.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().unwrap_or_default()
+/// The usual one of the steps forward, us; NaN without any.
+fn usual_step(time_us: &[f64]) -> f64 {
+    median(time_us.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect())
 }
 
 #[cfg(test)]

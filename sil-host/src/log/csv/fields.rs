@@ -4,7 +4,6 @@ use super::super::error::LogErrorKind;
 use super::super::map::{Map, Threshold};
 use super::super::mapped_column::{Made, MappedColumn, Term};
 use super::super::quantity::Quantity;
-use super::super::quaternions::euler_angle;
 use super::super::style::Style;
 use super::super::{Log, outside};
 use crate::axis::Axis;
@@ -12,41 +11,31 @@ use crate::axis::Axis;
 /// What is wrong with a header, and the column it is about.
 pub(super) type HeaderError = (Option<String>, LogErrorKind);
 
-/// Fields of each row that are read, and how they become a quantity: the sum of each times its scale, and the offset.
+/// A quantity, and where in each row the columns are that it is made of.
 pub(super) struct Field {
-    pub(super) quantity: Quantity,
-    /// Places in the row, with their scales; at least one.
-    pub(super) terms: Vec<(usize, f64)>,
-    pub(super) offset: f64,
-    pub(super) made: Made,
+    pub(super) column: MappedColumn,
+    /// As many as the column's terms.
+    places: Vec<usize>,
 }
 
 impl Field {
-    /// The column's name, or those of a sum.
-    pub(super) fn called(&self, names: &[&str]) -> String {
-        self.terms.iter().map(|(index, _)| names[*index]).collect::<Vec<_>>().join(" + ")
-    }
-
     /// The value in a row; NaN if any of its fields is blank.
     pub(super) fn value(&self, row: &[&str], style: &mut Style) -> Result<f64, LogErrorKind> {
-        if self.quantity != Quantity::Time && self.terms.iter().any(|(index, _)| row[*index].is_empty()) {
+        let quantity = self.column.quantity;
+        let texts = || self.places.iter().map(|place| row[*place]);
+        if quantity != Quantity::Time && texts().any(str::is_empty) {
             return Ok(f64::NAN);
         }
-        let mut parts = [0.0; 4];
-        let mut sum = self.offset;
-        for (place, (index, scale)) in self.terms.iter().enumerate() {
-            let part = scale * style.number(row[*index])?;
-            sum += part;
-            if !sum.is_finite() {
-                return Err(LogErrorKind::NotFinite(row[*index].to_owned()));
-            }
-            if let Some(own) = parts.get_mut(place) {
-                *own = part;
-            }
-        }
-        match self.made {
-            Made::Sum | Made::RateOf => outside::checked(self.quantity, sum),
-            Made::EulerOf { scale } => Ok(self.offset + scale * euler_angle(self.quantity, parts)),
+        let value = self.column.of_row(|term| {
+            let text = row[self.places[term]];
+            let number = style.number(text)?;
+            if number.is_finite() { Ok(number) } else { Err(LogErrorKind::NotFinite(text.to_owned())) }
+        })?;
+        match self.column.made {
+            // what is no quaternion is no reading
+            Made::EulerOf => Ok(value),
+            _ if value.is_finite() => outside::checked(quantity, value),
+            _ => Err(LogErrorKind::NotFinite(texts().collect::<Vec<_>>().join(" + "))),
         }
     }
 }
@@ -60,13 +49,13 @@ pub(super) fn named_fields(names: &[&str], log: &mut Log) -> Result<Vec<Field>, 
             ignored.push(*name);
             continue;
         };
-        if let Some(first) = fields.iter().find(|field| field.quantity == quantity) {
-            let kind = LogErrorKind::GivenTwice { first: first.called(names), second: (*name).to_owned() };
+        if let Some(first) = fields.iter().find(|field| field.column.quantity == quantity) {
+            let kind = LogErrorKind::GivenTwice { first: first.column.called(), second: (*name).to_owned() };
             return Err((Some(quantity.name()), kind));
         }
-        fields.push(Field { quantity, terms: vec![(index, scale)], offset: 0.0, made: Made::Sum });
+        fields.push(Field { column: MappedColumn::of_one(quantity, name, scale), places: vec![index] });
     }
-    let has = |quantity| fields.iter().any(|field| field.quantity == quantity);
+    let has = |quantity| fields.iter().any(|field| field.column.quantity == quantity);
     let by_axis =
         Axis::ALL.iter().any(|axis| has(Quantity::Command(*axis))) && !(0..4).any(|motor| has(Quantity::Motor(motor)));
     let lacking: Vec<Quantity> = required(by_axis).into_iter().filter(|quantity| !has(*quantity)).collect();
@@ -120,7 +109,7 @@ fn mapped_field(names: &[&str], mapped: &MappedColumn, map: &str) -> Result<Fiel
         let fail = |kind| Err((Some(term.column.clone()), kind));
         let mut indices = (0..names.len()).filter(|index| names[*index] == term.column);
         match (indices.next(), indices.next()) {
-            (Some(index), None) => Ok((index, term.scale)),
+            (Some(index), None) => Ok(index),
             (None, _) => fail(LogErrorKind::MissingColumn {
                 reason: format!("column is missing, which the map {map} takes for {}", mapped.quantity.name()),
                 present: names.join(", "),
@@ -128,8 +117,8 @@ fn mapped_field(names: &[&str], mapped: &MappedColumn, map: &str) -> Result<Fiel
             _ => fail(LogErrorKind::GivenTwice { first: term.column.clone(), second: term.column.clone() }),
         }
     };
-    let terms = mapped.terms.iter().map(place).collect::<Result<_, _>>()?;
-    Ok(Field { quantity: mapped.quantity, terms, offset: mapped.offset, made: mapped.made })
+    let places = mapped.terms.iter().map(place).collect::<Result<_, _>>()?;
+    Ok(Field { column: mapped.clone(), places })
 }
 
 fn missing(quantity: Quantity, others: &[Quantity], names: &[&str]) -> HeaderError {

@@ -9,15 +9,18 @@
 //! each message must name the very line that an editor shows.
 
 mod fields;
+mod lines;
+mod rows;
+mod table;
 
 use self::fields::{Field, mapped_fields, named_fields, required};
+use self::lines::{Lines, unquoted};
+use self::rows::{Rows, line_of, read_rows};
+pub(super) use self::table::table;
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
 use super::map::Map;
-use super::mapped_column::Made;
-use super::messages::Table;
 use super::passage::Passage;
 use super::quantity::Quantity;
-use super::rate_of_change::rate_of_change;
 use super::recording::{Stream, StreamColumn};
 use super::style::Style;
 use super::{Content, Format, Log, note_gaps, outside, source, time_base};
@@ -40,21 +43,14 @@ pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError>
 }
 
 fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'_>) -> Result<Log, LogError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    if text.trim().is_empty() {
-        return Err(error_in(file, None, None, LogErrorKind::Empty));
-    }
-    // without any line feed, carriage returns end lines
-    let line_end = if text.contains('\n') { '\n' } else { '\r' };
-    let (text, cut) = whole_lines(text, line_end);
-    let mut lines = (1..).zip(text.split_terminator(line_end).map(|line| line.trim_matches([' ', '\r'])));
+    let empty = || error_in(file, None, None, LogErrorKind::Empty);
+    let text = Lines::of(text).ok_or_else(empty)?;
+    let mut lines = text.numbered();
     let is_comment = |line: &&str| line.starts_with('#');
     let comments: Vec<String> =
         lines.clone().map(|(_, line)| line).take_while(is_comment).map(|line| line[1..].trim().to_owned()).collect();
     let mut header = lines.by_ref().skip(comments.len());
-    let Some((header_line, header)) = header.next() else {
-        return Err(error_in(file, None, None, LogErrorKind::Empty));
-    };
+    let (header_line, header) = header.next().ok_or_else(empty)?;
     let mut style = Style::of(header);
     let names: Vec<&str> = header.split(style.separator).map(unquoted).collect();
     let mut log = Log { path: file.to_owned(), comments, ..Log::default() };
@@ -70,7 +66,7 @@ fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'
         passage.is_at(read_bytes);
     });
     let rows = read_rows(file, observed, &names, &fields, &mut style)?;
-    if let Some(cut) = cut {
+    if let Some(cut) = text.cut {
         log.notes.push(format!("line {cut} left out: it has no line end and may be cut off"));
     }
     log.notes.extend(rows.repeated.notes());
@@ -83,7 +79,7 @@ fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'
         log.notes.push(format!("{} blank fields are missing values", rows.blanks));
     }
     let has_blanks = rows.blanks > 0;
-    let mut stream = stream_of(&names, &fields, rows);
+    let mut stream = stream_of(&fields, rows);
     outside::settle(&mut stream, &mut log.notes);
     if let Some((row, column)) = outside::first(&stream) {
         let kind = outside::out_of_range(column.quantity, column.value[row]);
@@ -103,58 +99,13 @@ fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'
     log.turned(turn_deg)
 }
 
-/// Every column of numbers under its own name, a field that is no number as NaN; and the names of the columns that have
-/// fields which are neither numbers nor blank.
-///
-/// # Errors
-/// There is no line.
-pub(super) fn table(file: &str, text: &str) -> Result<(Table, Vec<String>), LogError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let line_end = if text.contains('\n') { '\n' } else { '\r' };
-    let (text, _) = whole_lines(text, line_end);
-    let mut lines = text.split_terminator(line_end).map(|line| line.trim_matches([' ', '\r']));
-    let header = lines.find(|line| !line.starts_with('#') && !line.is_empty());
-    let header = header.ok_or_else(|| error_in(file, None, None, LogErrorKind::Empty))?;
-    let mut style = Style::of(header);
-    let names: Vec<String> = header.split(style.separator).map(|name| unquoted(name).to_owned()).collect();
-    let mut has_words = vec![false; names.len()];
-    let mut table = Table::with_fields(names.iter().cloned());
-    for line in lines.filter(|line| !line.is_empty()) {
-        let fields = line.split(style.separator).map(unquoted).enumerate();
-        let numbers: Vec<f64> = fields
-            .map(|(place, field)| {
-                let number = style.number(field);
-                let is_there = number.as_ref().is_ok_and(|number| number.is_finite());
-                if let (false, false, Some(has_words)) = (is_there, field.is_empty(), has_words.get_mut(place)) {
-                    *has_words = true;
-                }
-                number.unwrap_or(f64::NAN)
-            })
-            .collect();
-        table.push(numbers);
-    }
-    let with_words = names.into_iter().zip(has_words).filter(|(_, has_words)| *has_words).map(|(name, _)| name);
-    Ok((table, with_words.collect()))
-}
-
-/// The text up to its last line end, and the number of the line that has none; the whole text if it is one line.
-fn whole_lines(text: &str, line_end: char) -> (&str, Option<usize>) {
-    match text.rfind(line_end) {
-        Some(last) if !text[last + 1..].trim().is_empty() => {
-            let whole = &text[..=last];
-            (whole, Some(1 + whole.matches(line_end).count()))
-        }
-        _ => (text, None),
-    }
-}
-
 /// A required column without any value.
 fn all_blank(names: &[&str], fields: &[Field], rows: &Rows) -> Option<(String, LogErrorKind)> {
-    let by_axis = fields.iter().all(|field| !matches!(field.quantity, Quantity::Motor(_)));
+    let by_axis = fields.iter().all(|field| !matches!(field.column.quantity, Quantity::Motor(_)));
     let mut required = required(by_axis).into_iter();
     let is_blank = |quantity: &Quantity| {
-        let column = fields.iter().position(|field| field.quantity == *quantity).map(|place| &rows.columns[place]);
-        column.is_some_and(|column| column.iter().all(|value| value.is_nan()))
+        let of_it = fields.iter().zip(&rows.columns).find(|(field, _)| field.column.quantity == *quantity);
+        of_it.is_some_and(|(_, values)| values.iter().all(|value| value.is_nan()))
     };
     let quantity = required.find(is_blank)?;
     let reason = "required column has no value in any row".to_owned();
@@ -162,100 +113,40 @@ fn all_blank(names: &[&str], fields: &[Field], rows: &Rows) -> Option<(String, L
 }
 
 /// The rows as readings at their times.
-fn stream_of(names: &[&str], fields: &[Field], rows: Rows) -> Stream {
-    let (mut stream, mut columns) = (Stream::at("rows", Vec::new()), Vec::new());
-    for (field, value) in fields.iter().zip(rows.columns) {
-        match field.quantity {
-            Quantity::Time => stream.time_s = value,
-            quantity => columns.push(StreamColumn { quantity, source: field.called(names), value }),
-        }
+fn stream_of(fields: &[Field], rows: Rows) -> Stream {
+    let all = fields.iter().map(|field| &field.column).zip(rows.columns);
+    let (times, others): (Vec<_>, Vec<_>) = all.partition(|(column, _)| column.quantity == Quantity::Time);
+    let mut stream = Stream::at("rows", times.into_iter().flat_map(|(_, time_s)| time_s).collect());
+    for (column, values) in others {
+        let value = column.over_time(&stream.time_s, values);
+        stream.columns.push(StreamColumn { quantity: column.quantity, source: column.called(), value });
     }
-    Stream { columns, ..stream }
+    stream
 }
 
 fn error_in(file: &str, line: Option<usize>, column: Option<String>, kind: LogErrorKind) -> LogError {
     LogError { file: file.to_owned(), line, column, kind }
 }
 
-/// The fields of all rows, column by column.
-struct Rows {
-    columns: Vec<Vec<f64>>,
-    /// Fields without a value, which are NaN.
-    blanks: usize,
-    repeated: Repeated,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Lines that say the same as the one before, number of the first.
-#[derive(Default)]
-struct Repeated {
-    count: usize,
-    first: usize,
-}
-
-impl Repeated {
-    fn notes(&self) -> Option<String> {
-        (self.count > 0).then(|| format!("{} lines repeat the one before, the first line {}", self.count, self.first))
-    }
-}
-
-/// The number of the line that a row was read from: lines that repeat the one before are no rows.
-fn line_of<'a>(row: usize, lines: impl Iterator<Item = (usize, &'a str)>) -> Option<usize> {
-    let mut before = "";
-    let mut own = lines.filter(|(_, text)| std::mem::replace(&mut before, text) != *text);
-    own.nth(row).map(|(line, _)| line)
-}
-
-/// All rows; empty lines at the end of the file are no rows.
-fn read_rows<'a>(
-    file: &str,
-    lines: impl Iterator<Item = (usize, &'a str)>,
-    names: &[&str],
-    fields: &[Field],
-    style: &mut Style,
-) -> Result<Rows, LogError> {
-    let mut rows = Rows { columns: vec![Vec::new(); fields.len()], blanks: 0, repeated: Repeated::default() };
-    let time = fields.iter().position(|f| f.quantity == Quantity::Time);
-    let mut lines = lines.peekable();
-    let mut before = "";
-    while let Some((line, text)) = lines.next() {
-        if text.is_empty() && lines.peek().is_none_or(|(_, next)| next.is_empty()) {
-            continue;
-        }
-        if text == before {
-            let first = if rows.repeated.count == 0 { line } else { rows.repeated.first };
-            rows.repeated = Repeated { count: rows.repeated.count + 1, first };
-            continue;
-        }
-        before = text;
-        let row: Vec<&str> = text.split(style.separator).map(unquoted).collect();
-        if row.len() != names.len() {
-            let kind =
-                LogErrorKind::RaggedRow { expected: names.len(), found: if text.is_empty() { 0 } else { row.len() } };
-            return Err(error_in(file, Some(line), None, kind));
-        }
-        for (field, column) in fields.iter().zip(&mut rows.columns) {
-            let value = field.value(&row, style);
-            let value = value.map_err(|kind| error_in(file, Some(line), Some(field.called(names)), kind))?;
-            rows.blanks += usize::from(value.is_nan());
-            column.push(value);
-        }
-        if let Some(time) = time
-            && let [.., before, now] = rows.columns[time][..]
-            && now <= before
-        {
-            let name = fields[time].called(names);
-            let kind = LogErrorKind::TimeNotIncreasing { before, now };
-            return Err(error_in(file, Some(line), Some(name), kind));
+    #[test]
+    fn a_refusal_names_every_column_of_a_quantity_and_says_what_it_makes_of_them() {
+        let map = "description = \"\"\nframe = \"FRD\"\naxes = [\"roll\"]\n[quantities]\ntime_s = { column = \"t\" }\n\
+                   roll_rad = { euler_of = [\"qw\", \"qx\", \"qy\", \"qz\"] }\n\
+                   roll_cmd = { columns = { left = 0.5, right = -1.5 } }\n";
+        let map = Map::parse("m", map).unwrap();
+        for (row, said) in [
+            ("0,1,x,0,0,0.5,0.5", "`qw, qx, qy, qz`: expected a number, found `x`"),
+            ("0,1,0,0,inf,0.5,0.5", "`qw, qx, qy, qz`: expected a finite number, found `inf`"),
+            ("0,1,0,0,0,0.5,y", "`left + right`: expected a number, found `y`"),
+            ("0,1,0,0,0,1e308,-1.7e308", "`left + right`: expected a finite number, found `1e308 + -1.7e308`"),
+        ] {
+            let text = format!("t,qw,qx,qy,qz,left,right\n{row}\n");
+            let error = parse("log.csv", &text, Some(&map)).unwrap_err().to_string();
+            assert!(error.starts_with("log.csv:2: ") && error.contains(said), "{error}");
         }
     }
-    for place in (0..fields.len()).filter(|place| fields[*place].made == Made::RateOf) {
-        rows.columns[place] = time.map_or(Vec::new(), |time| rate_of_change(&rows.columns[time], &rows.columns[place]));
-    }
-    Ok(rows)
-}
-
-fn unquoted(field: &str) -> &str {
-    let field = field.trim();
-    let inner = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
-    inner.unwrap_or(field)
 }

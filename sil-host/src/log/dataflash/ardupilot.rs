@@ -2,9 +2,9 @@
 //! forward-right-down, world north-east-down, angles in degrees, rates in rad/s, outputs as pulse widths in us.
 
 use super::super::messages::Messages;
-use super::super::motor_order::{MotorOrder, Rotor, SPIN_REVERSED};
-use super::super::quantity::Quantity;
-use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
+use super::super::motor_order::{MotorOrder, Rotor, no_quadrotor, spin_reversed};
+use super::super::quantity::{DEGREE_RAD, Quantity};
+use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters, said_or_usual};
 use super::super::turned::PLUS_DEG;
 use crate::axis::Axis;
 use crate::statistics::wrapped;
@@ -14,8 +14,6 @@ pub(super) const MESSAGES: [&str; 11] =
     ["IMU", "ATT", "AHR2", "RCIN", "RCOU", "BAT", "CURR", "XKF1", "NKF1", "EKF1", "ESC"];
 /// The estimators' messages, the newest kind first.
 const ESTIMATORS: [&str; 3] = ["XKF1", "NKF1", "EKF1"];
-
-const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
 /// Parameter, name of the fact, factor to its unit. Names have changed: the later ones are older.
 const PARAMETERS: [(&str, &str, f64); 38] = [
@@ -212,12 +210,8 @@ fn motor_order(messages: &Messages, facts: &mut Vec<Fact>, frame_turn_deg: &mut 
     /// Quadrotor.
     const QUAD: f64 = 1.0;
     if let Some(class) = messages.parameter("FRAME_CLASS").filter(|class| *class != QUAD && *class != 0.0) {
-        let called = OTHER_CLASSES.iter().find(|(other, _)| *other == class).map(|(_, called)| format!(", {called}"));
-        return Err(format!(
-            "the vehicle is no quadrotor: its parameter FRAME_CLASS is {class}{}; only quadrotors are simulated, and \
-             if it is one all the same, a --map that names the fields reads it",
-            called.unwrap_or_default()
-        ));
+        let called = OTHER_CLASSES.iter().find(|(other, _)| *other == class).map(|(_, called)| *called);
+        return Err(no_quadrotor("FRAME_CLASS", class, called));
     }
     // until 2016 one parameter was both
     let kind = ["FRAME_TYPE", "FRAME"].into_iter().find_map(|name| Some((name, messages.parameter(name)?)));
@@ -248,7 +242,7 @@ fn motor_order(messages: &Messages, facts: &mut Vec<Fact>, frame_turn_deg: &mut 
         facts.push(make(&format!("motor{}", motor + 1), FactValue::Text(text), &source));
     }
     if order.is_spin_reversed {
-        facts.push(make("spin", FactValue::Text(SPIN_REVERSED.to_owned()), &source));
+        facts.push(make("spin", spin_reversed(), &source));
     }
     Ok(order.given)
 }
@@ -282,18 +276,14 @@ fn outputs(messages: &Messages, order: &[usize; 4], facts: &mut Vec<Fact>) -> Op
 
 /// The pulse widths of no and full thrust: the motors' own, else the throttle channel's, else the usual ones.
 fn range_us(messages: &Messages, facts: &mut Vec<Fact>) -> [f64; 2] {
-    [("MIN", 1000.0), ("MAX", 2000.0)].map(|(end, default)| {
-        let names = [format!("MOT_PWM_{end}"), format!("RC3_{end}")];
+    [("MIN", 1000.0), ("MAX", 2000.0)].map(|(end, default_us)| {
         // 0 stands for the throttle channel's
-        let said = names.into_iter().find_map(|name| {
-            messages.parameter(&name).filter(|pulse_us| *pulse_us > 0.0).map(|pulse_us| (name, pulse_us))
-        });
+        let names = [format!("MOT_PWM_{end}"), format!("RC3_{end}")];
         let fact = format!("output_{}_us", end.to_lowercase());
-        facts.push(match &said {
-            Some((name, pulse_us)) => Fact::said(&fact, FactValue::Number(*pulse_us), &format!("parameter {name}")),
-            None => Fact::assumed(&fact, FactValue::Number(default), "no parameter; ArduPilot's default"),
-        });
-        said.map_or(default, |(_, pulse_us)| pulse_us)
+        let default = (default_us, "no parameter; ArduPilot's default");
+        let (pulse_us, fact) = said_or_usual(messages, &fact, &names, |pulse_us| pulse_us > 0.0, default);
+        facts.push(fact);
+        pulse_us
     })
 }
 

@@ -8,6 +8,7 @@ mod names;
 mod quaternion;
 #[cfg(test)]
 mod tests;
+mod text;
 mod units;
 mod words;
 
@@ -15,7 +16,7 @@ use std::path::Path;
 
 use self::entry::{Entry, entries_of, entry};
 use self::filling::Filling;
-use self::names::{Named, is_command_of_some_axis, named};
+use self::names::{Named, is_command_of_some_axis, is_output, named};
 use self::quaternion::quaternion;
 use self::words::Families;
 use super::contradiction::Contradiction;
@@ -107,9 +108,11 @@ impl Drafting<'_> {
         }
         // angles that the table has itself go before
         quaternion.iter().flat_map(entries_of).for_each(|entry| drafting.enter(entry));
-        drafting.take_command_by_elimination(&table);
+        drafting.drop_signed_outputs(&table);
+        drafting.take_command_by_elimination();
         units::share(&mut drafting.entries, &table);
         units::weigh(&mut drafting.entries, &table);
+        units::size_commands(&mut drafting.entries, &table);
         drafting.lacking = drafting.lacking();
         drafting.drop_what_is_not_needed();
         Ok(drafting)
@@ -117,7 +120,7 @@ impl Drafting<'_> {
 
     /// Takes a column for what its name says, if its values may be that.
     fn take(&mut self, name: &str, said: Option<&Named>, filling: Filling, table: &Table) {
-        let entry = said.map(|said| entry(name, said, &numbers(table, name)));
+        let entry = said.map(|said| entry(name, said));
         match (entry, filling) {
             (_, Filling::EndsEarly(rows)) => self.of_another_table.push((name.to_owned(), rows)),
             (Some(entry), Filling::Whole) => self.enter(entry),
@@ -160,24 +163,36 @@ impl Drafting<'_> {
             lacking.push("angles (roll_rad, pitch_rad) or body rates (p_rad_s, q_rad_s) are missing".to_owned());
         }
         if motors < 4 && !has_any(Quantity::Command) {
+            let has_speeds = (0..4).any(|motor| self.has(Quantity::Rpm(motor)));
+            let speeds = if has_speeds { "; rotors' speeds, which the log has, are none" } else { "" };
             lacking.push(format!(
-                "commands are missing: motor1 to motor4 ({motors} of them recognised), or roll_cmd, pitch_cmd"
+                "commands are missing: motor1 to motor4 ({motors} of them recognised{speeds}), or roll_cmd, pitch_cmd"
             ));
         }
         lacking
     }
 
     /// A command that names no axis is that of the only axis with an angle.
-    fn take_command_by_elimination(&mut self, table: &Table) {
+    fn take_command_by_elimination(&mut self) {
         let with_angle: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| self.has(Quantity::Angle(*axis))).collect();
         let commands: Vec<String> = self.unused.iter().filter(|name| is_command_of_some_axis(name)).cloned().collect();
         let has_command = Axis::ALL.iter().any(|axis| self.has(Quantity::Command(*axis))) || self.has_motors();
         if let ([axis], [column], false) = (with_angle.as_slice(), commands.as_slice(), has_command) {
             let said = Named { quantity: Quantity::Command(*axis), unit: None, rank: 3 };
-            let mut entry = entry(column, &said, &numbers(table, column));
+            let mut entry = entry(column, &said);
             entry.why = vec![format!("a command, and {} is the only axis with an angle", axis.name())];
             self.unused.retain(|name| name != column);
             self.entries.push(entry);
+        }
+    }
+
+    /// Four outputs of which one is ever negative are no motors': `u1` to `u4` may be thrust and three torques.
+    fn drop_signed_outputs(&mut self, table: &Table) {
+        let is_output = |entry: &Entry| matches!(entry.quantity, Quantity::Motor(_)) && is_output(&entry.column);
+        let is_signed = |entry: &Entry| numbers(table, &entry.column).iter().any(|value| *value < 0.0);
+        if self.entries.iter().any(|entry| is_output(entry) && is_signed(entry)) {
+            let dropped = self.entries.extract_if(.., |entry| is_output(entry));
+            self.unused.extend(dropped.map(|entry| entry.column));
         }
     }
 
@@ -314,78 +329,6 @@ impl Drafting<'_> {
         let is_of_z = |entry: &Entry| entry.quantity == z && entry.sign > 0.0;
         let turns_z = contradiction.map_lines.iter().any(|line| line.from == z && line.sign < 0.0);
         turns_z && contradiction.map_lines.len() == 1 && self.frame == "FRD" && self.entries.iter().any(is_of_z)
-    }
-
-    fn axes(&self) -> Vec<Axis> {
-        let moves = |axis: &Axis| self.has(Quantity::Angle(*axis)) || self.has(Quantity::Rate(*axis));
-        Axis::ALL.into_iter().filter(moves).collect()
-    }
-
-    fn toml(&self, problems: &[String]) -> String {
-        let mut text = String::from("# A draft by sil map: check each line, above all those with \"not known\".\n");
-        for remark in self.remarks.iter().map(|remark| remark.replace('\n', " ")) {
-            text.push_str(&format!("# {remark}\n"));
-        }
-        for problem in problems {
-            text.push_str(&format!("# STILL WRONG: {}\n", problem.replace('\n', "\n#   ")));
-        }
-        if !self.unused.is_empty() {
-            text.push_str(&format!("# not used: {}\n", self.unused.join(", ")));
-        }
-        text.push_str(&self.beside());
-        text.push_str(&self.not_known());
-        let axes: Vec<String> = self.axes().iter().map(|axis| format!("\"{}\"", axis.name())).collect();
-        text.push_str(&format!("description = \"drafted from {}\"\n", self.file.replace(['"', '\\'], "'")));
-        text.push_str(&format!("frame = \"{}\"\naxes = [{}]\n", self.frame, axes.join(", ")));
-        if self.frame_turn_deg != 0.0 {
-            text.push_str(&format!(
-                "frame_turn_deg = {}   # to axes in which the motors stand as an X\n",
-                self.frame_turn_deg
-            ));
-        }
-        if self.has_motors() {
-            text.push_str("active_when = \"motor1 > 0\"   # put idle in place of 0 if the motors idle on the ground\n");
-        } else if self.has(Quantity::Thrust) {
-            text.push_str("active_when = \"thrust_cmd > 0\"\n");
-        }
-        text.push_str("\n[quantities]\n");
-        let mut entries: Vec<&Entry> = self.entries.iter().collect();
-        entries.sort_by_key(|entry| entry.quantity);
-        text.extend(entries.into_iter().map(Entry::line));
-        text
-    }
-
-    /// What stands beside the table whose rows are read.
-    fn beside(&self) -> String {
-        let Some((_, rows)) = self.of_another_table.first() else { return String::new() };
-        let names: Vec<&str> = self.of_another_table.iter().map(|(name, _)| name.as_str()).collect();
-        format!(
-            "# not used, of another table, which ends after {rows} of {} rows and has other times (make it a file of \
-             its own, or merge both by their times): {}\n",
-            self.rows,
-            names.join(", ")
-        )
-    }
-
-    /// What nothing in such a log can tell.
-    fn not_known(&self) -> String {
-        let mut said = String::new();
-        let has_gyro = Axis::ALL.iter().any(|axis| self.has(Quantity::Rate(*axis)));
-        if has_gyro && !self.has(Quantity::Accel(Axis::Yaw)) {
-            said.push_str("# not known: the frame (no accelerometer): forward-right-down is taken\n");
-        }
-        for axis in self.axes() {
-            let agrees = self.remarks.iter().any(|remark| remark.contains(axis.name()));
-            if !agrees {
-                let name = axis.name();
-                said.push_str(&format!("# not known: the sign of {name} (too quiet, or nothing to hold it against)\n"));
-            }
-        }
-        let has_reference = |axis: &&Axis| self.has(Quantity::Reference(**axis));
-        if Axis::ALL.iter().any(|axis| has_reference(&axis)) {
-            said.push_str("# not known: the references' signs; they are taken as the angles' are named\n");
-        }
-        said
     }
 }
 

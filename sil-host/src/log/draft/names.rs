@@ -1,7 +1,7 @@
 //! What a column's name says that it is, by words of many loggers.
 
 use super::super::quantity::Quantity;
-use super::words::{Family, words};
+use super::words::{Family, motor_at, words};
 use crate::axis::Axis;
 
 /// What a name says.
@@ -17,13 +17,22 @@ pub(super) struct Named {
 const REFERENCE: [&str; 8] = ["sp", "ref", "des", "desired", "setpoint", "target", "tar", "reference"];
 const COMMAND: [&str; 7] = ["cmd", "command", "ctrl", "torque", "moment", "u", "out"];
 const RATE: [&str; 9] = ["gyro", "gyr", "rate", "rates", "speed", "angvel", "omega", "gyroadc", "angrate"];
-const ACCELEROMETER: [&str; 6] = ["acc", "accel", "accelerometer", "accelerometers", "specific", "accsmooth"];
+const ACCELEROMETER: [&str; 7] =
+    ["acc", "accel", "accelerometer", "accelerometers", "acceleration", "specific", "accsmooth"];
+/// With a velocity it is a rate, and what is accelerated so is nothing that an accelerometer feels.
+const ANGULAR: [&str; 2] = ["ang", "angular"];
+/// Words before the numbers of the three angles.
+const ANGLES: [&str; 5] = ["heading", "attitude", "euler", "angle", "rpy"];
+/// What the receiver says is the pilot's, not the controller's.
+const RECEIVER: [&str; 3] = ["rc", "channel", "channels"];
 const THRUST: [&str; 5] = ["thrust", "throttle", "collective", "thr", "t"];
 
-/// Words of motors' commands; of outputs, which may be others' too; and of rotors' speeds.
+/// Words of motors' commands; of outputs, which are motors' where there are four; and of rotors' speeds.
 const MOTOR: [&str; 4] = ["m", "motor", "motors", "mot"];
-const OUTPUT: [&str; 5] = ["out", "output", "outputs", "esc", "pwm"];
+const OUTPUT: [&str; 8] = ["out", "output", "outputs", "esc", "pwm", "u", "thrust", "throttle"];
 const SPEED: [&str; 2] = ["rpm", "erpm"];
+/// What is measured at a motor and drives nothing.
+const AT_A_MOTOR: [&str; 5] = ["temp", "temperature", "current", "voltage", "power"];
 
 /// Words of a processor's clock, which yield to a time.
 const CLOCK: [&str; 4] = ["tick", "ticks", "millis", "micros"];
@@ -32,10 +41,13 @@ const HEIGHT: [&str; 3] = ["height", "altitude", "alt"];
 
 /// The axis of a name, and whether an angle's word says it. A number says it where it is one of three.
 fn axis_of(words: &[String], family: Option<Family>) -> Option<(Axis, bool)> {
+    let are_angles =
+        family.is_some_and(Family::are_axes) && words.first().is_some_and(|first| ANGLES.contains(&first.as_str()));
     let by_angle = |word: &str| match word {
         "roll" | "phi" => Some(Axis::Roll),
         "pitch" | "theta" => Some(Axis::Pitch),
-        "yaw" | "psi" | "heading" => Some(Axis::Yaw),
+        "yaw" | "psi" => Some(Axis::Yaw),
+        "heading" if !are_angles => Some(Axis::Yaw),
         _ => None,
     };
     let by_body = |word: &str| match word {
@@ -49,7 +61,7 @@ fn axis_of(words: &[String], family: Option<Family>) -> Option<(Axis, bool)> {
         _ => None,
     };
     let angle = words.iter().find_map(|word| by_angle(word)).map(|axis| (axis, true));
-    angle.or_else(|| words.iter().find_map(|word| by_body(word)).map(|axis| (axis, false)))
+    angle.or_else(|| words.iter().find_map(|word| by_body(word)).map(|axis| (axis, are_angles)))
 }
 
 fn unit_of(words: &[String], quantity: Quantity) -> Option<&'static str> {
@@ -92,10 +104,16 @@ pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
     if first_is(&CLOCK) {
         return Some(Named { quantity: Quantity::Time, unit: unit_of(&words, Quantity::Time), rank: 2 });
     }
-    let quantity = if first_is(&["t", "time", "timestamp", "clock", "seconds"]) && !has(&COMMAND) {
+    let is_turning = has(&RATE) || has(&ANGULAR) && has(&["vel", "velocity"]);
+    let quantity = if first_is(&["t", "time", "timestamp", "elapsed", "clock", "seconds"]) && !has(&COMMAND) {
         Quantity::Time
-    } else if first_is(&["rc"]) || first_is(&["q"]) && family.and_then(Family::first_motor).is_some() {
-        // what the receiver says is the pilot's, not the controller's; and four of q are a quaternion's
+    } else if first_is(&RECEIVER)
+        || has(&ANGULAR) && has(&ACCELEROMETER)
+        || has(&AT_A_MOTOR) && (has(&MOTOR) || has(&OUTPUT))
+    {
+        return None;
+    } else if first_is(&["q"]) && family.and_then(Family::first_motor).is_some() {
+        // four of them are a quaternion's
         return None;
     } else if let Some((motor, rank)) = motor(&words, family, usize::from(!name.contains('['))) {
         return Some(Named { quantity: motor, unit: None, rank });
@@ -112,7 +130,7 @@ pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
         Quantity::Thrust
     } else if has(&REFERENCE) {
         let (axis, is_angle) = axis?;
-        return (is_angle && !has(&RATE)).then(|| Named {
+        return (is_angle && !is_turning).then(|| Named {
             quantity: Quantity::Reference(axis),
             unit: unit_of(&words, Quantity::Reference(axis)),
             rank: 1,
@@ -127,7 +145,7 @@ pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
         }
     } else {
         match axis? {
-            (axis, _) if has(&RATE) || first_is(&["p", "q", "r", "gx", "gy", "gz", "wx", "wy", "wz"]) => {
+            (axis, _) if is_turning || first_is(&["p", "q", "r", "gx", "gy", "gz", "wx", "wy", "wz"]) => {
                 Quantity::Rate(axis)
             }
             (axis, true) => Quantity::Angle(axis),
@@ -155,36 +173,61 @@ pub(super) fn is_place(name: &str) -> bool {
     place(&words(name)).is_some()
 }
 
-/// A motor's command or a rotor's speed, and how sure that is: `m1`, `motor_1`, `rpm1`; numbers from 1, in brackets
-/// from 0, if the names beside it do not say else. Outputs are motors', and `omega1` is a rotor's speed, where there
-/// are four.
+/// A motor's command or a rotor's speed, and how sure that is: `m1`, `motor_1`, `rpm1`, `m1_rads`; numbers from 1, in
+/// brackets from 0, if the names beside it do not say else; or a place, `pwm_fl`. Outputs are motors', and `omega1` is
+/// a rotor's speed, where there are four.
 fn motor(words: &[String], family: Option<Family>, usual_first: usize) -> Option<(Quantity, usize)> {
     let is_any = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let of_four = family.and_then(Family::first_motor);
     let first = of_four.unwrap_or(usual_first);
+    let at = motor_at(words);
     let numbered = |list: &[&str]| {
         let joined = |word: &str| list.iter().find_map(|first| word.strip_prefix(first)?.parse::<usize>().ok());
         let apart = |pair: &[String]| list.contains(&pair[0].as_str()).then(|| pair[1].parse::<usize>().ok()).flatten();
         let number = words.windows(2).find_map(apart).or_else(|| words.iter().find_map(|word| joined(word)))?;
         number.checked_sub(first).filter(|index| *index < 4)
     };
-    let is_speed = is_any(&SPEED);
-    if let Some(index) = numbered(&MOTOR).or_else(|| numbered(&SPEED)) {
-        return Some((if is_speed { Quantity::Rpm(index) } else { Quantity::Motor(index) }, 1));
+    let of = |list: &[&str]| at.filter(|_| is_any(list)).or_else(|| numbered(list));
+    let is_speed = is_any(&SPEED) || is_in_rad_s(words);
+    let driven = if is_speed { Quantity::Rpm } else { Quantity::Motor };
+    if let Some(index) = of(&MOTOR) {
+        return Some((driven(index), 1));
     }
-    of_four?;
-    let is_output = OUTPUT.contains(&words[0].as_str());
-    match (is_output.then(|| numbered(&OUTPUT)).flatten(), is_speed) {
-        (Some(index), true) => Some((Quantity::Rpm(index), 1)),
-        (Some(index), false) => Some((Quantity::Motor(index), 2)),
-        (None, _) => Some((Quantity::Rpm(numbered(&["omega"])?), 2)),
+    if let Some(index) = of(&SPEED) {
+        return Some((Quantity::Rpm(index), 1));
     }
+    if at.is_none() && of_four.is_none() {
+        return None;
+    }
+    let output = if at.is_some() || OUTPUT.contains(&words[0].as_str()) { of(&OUTPUT) } else { None };
+    match output {
+        Some(index) => Some((driven(index), if is_speed { 1 } else { 2 })),
+        None => Some((Quantity::Rpm(of(&["omega"])?), 2)),
+    }
+}
+
+/// Does a name end in rad/s?
+pub(super) fn is_in_rad_s(words: &[String]) -> bool {
+    words.iter().any(|word| word == "rads") || words.windows(2).any(|pair| pair == ["rad", "s"])
+}
+
+/// Is a motor's column of this name any output, which may be another thing's?
+pub(super) fn is_output(name: &str) -> bool {
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    has(&OUTPUT) && !has(&MOTOR)
+}
+
+/// Does a name speak of thrust, which may be a force?
+pub(super) fn is_thrust(name: &str) -> bool {
+    words(name).iter().any(|word| word == "thrust")
 }
 
 /// A command of an axis whose name does not say which: `M_cmd`.
 pub(super) fn is_command_of_some_axis(name: &str) -> bool {
     let words = words(name);
-    let is_command = words.iter().any(|word| COMMAND.contains(&word.as_str())) && words[0] != "rc";
+    let is_command =
+        words.iter().any(|word| COMMAND.contains(&word.as_str())) && !RECEIVER.contains(&words[0].as_str());
     is_command && axis_of(&words, None).is_none() && named(name, None).is_none()
 }
 
@@ -223,14 +266,33 @@ mod tests {
             ("roll_deg", Quantity::Angle(Roll), Some("_deg")),
             ("stateEstimate_z", Quantity::Height, None),
             ("stateEstimate_x", Quantity::Velocity(Roll), None),
+            ("angular_velocity.y", Quantity::Rate(Pitch), None),
+            ("linear_acceleration.z", Quantity::Accel(Yaw), None),
+            ("heading", Quantity::Angle(Yaw), None),
+            ("pwm_bl", Quantity::Motor(1), None),
+            ("m2_rads", Quantity::Rpm(1), None),
             ("baro_alt", Quantity::Height, None),
         ] {
             let said = named(name, None).unwrap_or_else(|| panic!("{name}"));
             assert_eq!((said.quantity, said.unit), (quantity, unit), "{name}");
         }
-        for name in ["x_m", "v_m_s", "q_sp_rad_s", "controller_rollRate", "motors_on", "note", "rcCommand[1]"] {
+        for name in [
+            "x_m",
+            "v_m_s",
+            "q_sp_rad_s",
+            "controller_rollRate",
+            "motors_on",
+            "note",
+            "rcCommand[1]",
+            "channels_roll",
+            "motor1_temp",
+            "esc_fl_voltage",
+        ] {
             assert_eq!(named(name, None).map(|said| said.quantity), None, "{name}");
         }
+        let three = Families::of(["heading[0]", "heading[1]", "heading[2]"].into_iter());
+        let said = named("heading[0]", three.family("heading[0]")).unwrap();
+        assert_eq!((said.quantity, said.unit), (Quantity::Angle(Roll), None));
         let four = Families::of(["q0", "q1", "q2", "q3"].into_iter());
         assert_eq!(named("q1", four.family("q1")), None);
         assert!(is_command_of_some_axis("M_cmd_norm") && !is_command_of_some_axis("roll_cmd"));

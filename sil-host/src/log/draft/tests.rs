@@ -41,8 +41,14 @@ fn pulses(time_s: f64) -> String {
 
 #[test]
 fn motors_are_found_under_the_names_of_outputs() {
-    for names in ["out1,out2,out3,out4", "m1pwm,m2pwm,m3pwm,m4pwm", "M1,M2,M3,M4", "esc0,esc1,esc2,esc3", "m0,m1,m2,m3"]
-    {
+    for names in [
+        "out1,out2,out3,out4",
+        "m1pwm,m2pwm,m3pwm,m4pwm",
+        "M1,M2,M3,M4",
+        "esc0,esc1,esc2,esc3",
+        "m0,m1,m2,m3",
+        "u0,u1,u2,u3",
+    ] {
         let text =
             table(&format!("t,gx,gy,gz,{names}"), |_, time_s| format!("{time_s},{},{}", rates(time_s), pulses(time_s)));
         let (toml, log) = read(&text);
@@ -53,6 +59,120 @@ fn motors_are_found_under_the_names_of_outputs() {
             assert!((log.motors().unwrap()[motor][30] - expected).abs() < 2e-6, "{name}");
         }
         assert!(!toml.contains("_cmd = "), "{toml}");
+    }
+}
+
+/// Motors by where they stand have this project's numbers: 1 front right, 2 rear left, 3 front left, 4 rear right.
+#[test]
+fn motors_are_found_by_their_places() {
+    for names in [
+        "pwm_fl,pwm_fr,pwm_rl,pwm_rr",
+        "pwm_fl,pwm_fr,pwm_bl,pwm_br",
+        "motor_front_left,motor_front_right,motor_back_left,motor_back_right",
+        "escFL,escFR,escRL,escRR",
+    ] {
+        let text =
+            table(&format!("t,gx,gy,gz,{names}"), |_, time_s| format!("{time_s},{},{}", rates(time_s), pulses(time_s)));
+        let (toml, log) = read(&text);
+        for (place, (name, motor)) in names.split(',').zip([3, 1, 2, 4]).enumerate() {
+            assert!(toml.contains(&format!("motor{motor} = {{ column = \"{name}\"")), "{name}\n{toml}");
+            let expected = 0.5 + 0.01 * place as f64 + 1e-3 * wave(0.3, 20.0);
+            assert!((log.motors().unwrap()[motor - 1][30] - expected).abs() < 2e-6, "{name}");
+        }
+    }
+}
+
+/// Of four motors, and not the throttle of all; a force has no largest that a name tells.
+#[test]
+fn four_thrusts_are_motors() {
+    let thrusts = |of_full: f64| {
+        table("t,gx,gy,gz,thrust[0],thrust[1],thrust[2],thrust[3]", move |_, time_s| {
+            let each = [0.5, 0.51, 0.52, 0.53].map(|thrust| (of_full * (thrust + wave(time_s, 0.02))).to_string());
+            format!("{time_s},{},{}", rates(time_s), each.join(","))
+        })
+    };
+    let (toml, log) = read(&thrusts(1.0));
+    assert!((log.motors().unwrap()[3][30] - 0.53 - wave(0.3, 0.02)).abs() < 1e-9, "{toml}");
+    let (toml, log) = read(&thrusts(7.0));
+    let largest =
+        log.motors().unwrap().iter().flat_map(|motor| motor.iter()).fold(0.0, |most: f64, now| most.max(*now));
+    assert!((largest - 1.0).abs() < 1e-9 && toml.contains("not known: its unit"), "{toml}");
+}
+
+/// Thrust and three torques, as textbooks name them.
+#[test]
+fn four_inputs_with_signs_are_no_motors() {
+    let text = table("t,gx,gy,gz,u1,u2,u3,u4", |_, time_s| {
+        format!("{time_s},{},0.5,{},{},{}", rates(time_s), wave(time_s, 0.1), wave(time_s, 0.2), wave(time_s, 0.05))
+    });
+    let Draft { toml, problems } = drafted(&text);
+    assert!(problems.len() == 1 && problems[0].starts_with("commands are missing"), "{problems:?}");
+    assert!(toml.contains("# not used: u1, u2, u3, u4\n"), "{toml}");
+}
+
+/// One of them is never below 800, as a pulse width, the others are.
+#[test]
+fn four_motors_have_one_unit() {
+    let text = table("t,gx,gy,gz,motor[0],motor[1],motor[2],motor[3]", |number, time_s| {
+        let low = if number < 5 { 48.0 } else { 1000.0 };
+        let each = [low, 1400.0, low, low].map(|least| (least + wave(time_s, 30.0)).to_string());
+        format!("{time_s},{},{}", rates(time_s), each.join(","))
+    });
+    let (toml, log) = read(&text);
+    assert_eq!(toml.matches("DShot").count(), 4, "{toml}");
+    assert!((log.motors().unwrap()[1][30] - (1400.0 + wave(0.3, 30.0)) / 2047.0).abs() < 1e-9, "{toml}");
+}
+
+/// Speeds are measured and commanded by nobody.
+#[test]
+fn motors_in_radians_per_second_are_rotor_speeds() {
+    let text = table("t,gx,gy,gz,m1_rads,m2_rads,m3_rads,m4_rads", |_, time_s| {
+        format!("{time_s},{},1500.5,1510.25,1520,1530", rates(time_s))
+    });
+    let Draft { toml, problems } = drafted(&text);
+    assert!(problems.len() == 1 && problems[0].contains("rotors' speeds, which the log has, are none"), "{problems:?}");
+    let line = toml.lines().find(|line| line.starts_with("rpm2 = ")).unwrap();
+    assert!(
+        line.contains("m2_rads") && line.contains("scale = 9.549") && line.ends_with("rad/s by its name"),
+        "{line}"
+    );
+    let with_commands = text.replace("m1_rads,m2_rads,m3_rads,m4_rads", "out1,out2,out3,m4_rads");
+    assert!(drafted(&with_commands).toml.contains("rpm4 = { column = \"m4_rads\""), "{with_commands}");
+}
+
+/// NeuroBEM's names; what accelerates an angle is nothing that an accelerometer feels.
+#[test]
+fn angular_accelerations_are_no_accelerations_and_angular_velocities_are_rates() {
+    let text = table("t,ang acc x,ang acc y,ang acc z,ang vel x,ang vel y,ang vel z,acc x,acc y,acc z,m1,m2,m3,m4", {
+        |_, time_s| {
+            let felt = format!("{},{},{}", wave(time_s, 0.1), wave(time_s, 0.2), -GRAVITY_M_S2 + wave(time_s, 0.3));
+            format!("{time_s},1.5,2.5,3.5,{},{felt},{}", rates(time_s), pulses(time_s))
+        }
+    });
+    let (toml, log) = read(&text);
+    assert!(toml.contains("# not used: ang acc x, ang acc y, ang acc z\n"), "{toml}");
+    assert!((log.column(Quantity::Rate(Axis::Pitch)).unwrap()[30] - wave(0.3, 0.4)).abs() < 1e-9, "{toml}");
+    assert!((log.column(Quantity::Accel(Axis::Yaw)).unwrap()[30].abs() - GRAVITY_M_S2).abs() < 0.5, "{toml}");
+}
+
+/// Of what the name says, or where it says nothing of what makes a rate of rows that there is.
+#[test]
+fn the_unit_of_time_is_its_names_or_the_rows() {
+    for (name, per_s, key) in [
+        ("t", 1.0, "time_s"),
+        ("time_ms", 1e3, "time_ms"),
+        ("millis", 1e3, "time_ms"),
+        ("timestamp_us", 1e6, "time_us"),
+        ("elapsed_time", 1.0, "time_s"),
+        ("timestamp", 1e3, "time_ms"),
+        ("timestamp", 1e6, "time_us"),
+    ] {
+        let text = table(&format!("{name},gx,gy,gz,m1,m2,m3,m4"), |number, time_s| {
+            format!("{:.3},{},{}", 0.01 * per_s * f64::from(number), rates(time_s), pulses(time_s))
+        });
+        let (toml, log) = read(&text);
+        assert!(toml.contains(&format!("\n{key} = {{ column = \"{name}\" }}")), "{name} {per_s}\n{toml}");
+        assert!((log.time_s[149] - 1.49).abs() < 1e-9, "{name} {per_s}: {}", log.time_s[149]);
     }
 }
 

@@ -3,10 +3,22 @@
 
 use std::collections::BTreeMap;
 
+use shared_control::airframe::MOTORS;
+
 /// Words that loggers join with an axis' letter, as in `omegax`.
 const BEFORE_LETTERS: [&str; 8] = ["omega", "gyro", "gyr", "rate", "angvel", "acc", "accel", "angrate"];
 /// Words that they join with an angle's name, as in `rollrate`.
 const BEHIND_ANGLES: [&str; 7] = ["rate", "rates", "speed", "ref", "sp", "cmd", "des"];
+
+/// How loggers say where a motor stands, forward and to the right, as in [`MOTORS`].
+const CORNERS: [([&str; 4], i8, i8); 4] = [
+    (["fr", "rf", "front right", "right front"], 1, 1),
+    (["fl", "lf", "front left", "left front"], 1, -1),
+    (["rr", "rb", "rear right", "right rear"], -1, 1),
+    (["rl", "lr", "rear left", "left rear"], -1, -1),
+];
+/// Another word for the rear.
+const BACK: [(&str, &str); 3] = [("br", "rr"), ("bl", "rl"), ("back", "rear")];
 
 /// The words of a name, in small letters: split at signs, digits and capitals, and where two of them are joined.
 pub(super) fn words(name: &str) -> Vec<String> {
@@ -44,6 +56,21 @@ fn parted(word: String) -> Vec<String> {
     }
 }
 
+/// Which of our motors, from 0, stands at the place that a name says: `fl`, `rear_right`; none where it says none.
+pub(super) fn motor_at(words: &[String]) -> Option<usize> {
+    let usual = |word: &String| {
+        let of_back = BACK.into_iter().find(|(back, _)| back == word);
+        of_back.map_or_else(|| word.clone(), |(_, rear)| rear.to_owned())
+    };
+    let words: Vec<String> = words.iter().map(usual).collect();
+    let is_said = |names: &[&str; 4]| {
+        let pairs = words.windows(2).map(|pair| pair.join(" "));
+        pairs.chain(words.iter().cloned()).any(|said| names.contains(&said.as_str()))
+    };
+    let (_, forward, right) = CORNERS.into_iter().find(|(names, ..)| is_said(names))?;
+    MOTORS.iter().position(|motor| (motor.forward, motor.right) == (forward, right))
+}
+
 /// The names of a table that differ in their number only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Family {
@@ -65,6 +92,11 @@ impl Family {
     /// True of three names, or fewer, that may be the axes'.
     pub(super) fn may_be_axes(self) -> bool {
         self.count <= 3
+    }
+
+    /// True of three names that count from 0 or 1, as the axes do.
+    pub(super) fn are_axes(self) -> bool {
+        self.first_of(3).is_some()
     }
 
     /// The number of the first axis.
@@ -118,6 +150,24 @@ mod tests {
             ("accuracy", "accuracy"),
         ] {
             assert_eq!(words(name).join(" "), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_motors_place_is_told_in_letters_and_words() {
+        for (name, motor) in [
+            ("pwm_fr", Some(0)),
+            ("rear_left_motor", Some(1)),
+            ("motorBL", Some(1)),
+            ("m front left", Some(2)),
+            ("FL.rpm", Some(2)),
+            ("backRight", Some(3)),
+            ("esc_rr", Some(3)),
+            ("pwm_1", None),
+            ("front_motor", None),
+            ("current_left", None),
+        ] {
+            assert_eq!(motor_at(&words(name)), motor, "{name}");
         }
     }
 

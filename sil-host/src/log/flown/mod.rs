@@ -15,9 +15,10 @@
 mod ground;
 
 use self::ground::off_the_ground;
+use super::runs::runs;
 use super::{Log, LogError, Quantity};
 use crate::axis::Axis;
-use crate::statistics::wrapped;
+use crate::statistics::{median, wrapped};
 use crate::vehicle::signed_sums;
 use std::ops::Range;
 
@@ -179,20 +180,14 @@ fn usual(collective: &[f64], active: &[bool]) -> f64 {
     let mut running: Vec<f64> =
         collective.iter().zip(active).filter(|(value, active)| **active && **value > 0.0).map(|(c, _)| *c).collect();
     running.sort_by(f64::total_cmp);
-    let most = running.get(running.len() * 19 / 20).copied().unwrap_or_default();
+    let Some(most) = running.get(running.len() * 19 / 20) else { return 0.0 };
     let high = &running[running.partition_point(|value| *value <= IDLE * most)..];
-    high.get(high.len() / 2).copied().unwrap_or_default()
+    median(high.to_vec())
 }
 
 /// Stretches of rows of one kind.
 fn stretches<T: PartialEq>(kinds: &[T]) -> Vec<Range<usize>> {
-    let mut end = 0;
-    let runs = kinds.chunk_by(|a, b| a == b);
-    runs.map(|run| {
-        end += run.len();
-        end - run.len()..end
-    })
-    .collect()
+    runs(kinds.len(), |row| kinds[row] == kinds[row - 1])
 }
 
 /// A low collective between lifting stretches, or beside one, is part of the flight where the axes are steered.
@@ -328,10 +323,8 @@ fn end_stop(log: &Log, axis: Axis, flights: &[Flight]) -> Option<String> {
     let rate = log.column(Quantity::Rate(axis))?;
     let rows: Vec<usize> = (0..log.rows().saturating_sub(1)).filter(|row| is_in(flights, log.time_s[*row])).collect();
     let acceleration = |row: usize| (rate[row + 1] - rate[row]) / (log.time_s[row + 1] - log.time_s[row]);
-    let mut sizes: Vec<f64> = rows.iter().map(|row| acceleration(*row).abs()).collect();
-    sizes.sort_by(f64::total_cmp);
     // a normal deviation is 1.48 times the median of sizes
-    let usual = 1.48 * sizes.get(sizes.len() / 2).copied()?;
+    let usual = 1.48 * median(rows.iter().map(|row| acceleration(*row).abs()).collect());
     let pushed = pushes(log, axis, &rows);
     let (least, most) = rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), row| {
         let angle_rad = wrapped(angle[*row]);

@@ -121,7 +121,7 @@ impl Bins {
     }
 
     /// Values without what is slow in them: their mean over `half` groups to each side; NaN where one of these has
-    /// none, and beside a gap.
+    /// none, and beside a gap. [`Bins::mean_over`] is no such mean: its integral ends for good at the first NaN.
     pub(super) fn fast(&self, values: &[f64], half: usize) -> Vec<f64> {
         let (mut sum, mut lacking) = (vec![0.0; values.len() + 1], vec![0; values.len() + 1]);
         for (at, value) in values.iter().enumerate() {

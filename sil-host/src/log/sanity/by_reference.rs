@@ -25,6 +25,7 @@ use super::super::quantity::Quantity;
 use super::bins::Bins;
 use super::driving::inputs;
 use super::regression::{Products, Sums, jackknife};
+use super::stuck::is_still;
 use crate::axis::Axis;
 
 /// Motors follow within one of these times, s; commands act later by up to the last of the other, s.
@@ -103,15 +104,11 @@ pub fn by_reference(log: &Log) -> [Option<ByReference>; 3] {
         // a stick that was moved on the ground only leaves the flight to the reference
         [Quantity::Stick(axis), Quantity::Reference(axis)].into_iter().find_map(|instrument| {
             let by_stick = matches!(instrument, Quantity::Stick(_));
-            let values = log.column(instrument).filter(|values| moves(values))?;
+            let values = log.column(instrument).filter(|values| !is_still(values))?;
             let values = if by_stick { bins.means(values) } else { bins.means_of_angle(values) };
             Rows::of(log, &bins, axis, command.clone(), &values)?.answer(axis, by_stick, &stretches)
         })
     })
-}
-
-fn moves(values: &[f64]) -> bool {
-    values.iter().any(|value| *value != values[0])
 }
 
 /// An axis' series in groups of rows, all smoothed alike; but for the command, without what is slow in them.

@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::super::Log;
 use super::super::contradiction::Contradiction;
 use super::super::quantity::Quantity;
+use super::super::runs::runs;
 use super::finding::Columns;
 use crate::axis::Axis;
 use crate::statistics::variance;
@@ -35,7 +36,6 @@ pub(super) fn contradictions(log: &Log, columns: &Columns<'_>) -> Vec<Contradict
 /// a bench of one axis two motors rest.
 fn motor(log: &Log, columns: &Columns<'_>) -> Option<Contradiction> {
     let motors = log.motors()?;
-    let is_still = |values: &[f64]| values.iter().all(|value| *value == values[0]);
     let still: Vec<usize> = (0..4).filter(|motor| is_still(motors[*motor])).collect();
     let [stuck] = still[..] else { return None };
     Some(Contradiction {
@@ -47,6 +47,11 @@ fn motor(log: &Log, columns: &Columns<'_>) -> Option<Contradiction> {
         likely: "its command was likely not logged, or another column is it".to_owned(),
         ..Contradiction::default()
     })
+}
+
+/// Do all values stay at the first one?
+pub(super) fn is_still(values: &[f64]) -> bool {
+    values.iter().all(|value| *value == values[0])
 }
 
 /// A quantity that stands still while another one moves.
@@ -103,17 +108,4 @@ fn everything(log: &Log) -> Option<Contradiction> {
         likely: "the log likely froze: cut it there (--from, --to)".to_owned(),
         ..Contradiction::default()
     })
-}
-
-/// Stretches of rows in which each is like the one before it.
-fn runs(rows: usize, is_like_before: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
-    let mut runs = Vec::new();
-    let mut from = 0;
-    for row in 1..=rows {
-        if row == rows || !is_like_before(row) {
-            runs.push(from..row);
-            from = row;
-        }
-    }
-    runs
 }

@@ -4,7 +4,7 @@
 
 use super::super::Log;
 use super::super::contradiction::Contradiction;
-use super::super::quantity::Quantity;
+use super::super::quantity::{DEGREE_RAD, Quantity};
 use super::answers::{Answer, Answers, Inputs, Question};
 use super::bins::Bins;
 use super::finding::Columns;
@@ -19,7 +19,6 @@ const HALF_SPAN_S: f64 = 0.05;
 const LATER_S: [f64; 2] = [-0.05, 0.15];
 /// Cosine of the tilt beyond which rows are left out.
 const COS_TILT_MIN: f64 = 0.5;
-const DEGREE_RAD: f64 = PI / 180.0;
 /// The scale of a gyro that nobody has calibrated is off by no more (the MPU-6000's by 3 %).
 const GYRO_SCALE_USUAL: f64 = 0.03;
 /// A scale that is known no better is not known.

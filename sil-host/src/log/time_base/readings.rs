@@ -4,7 +4,7 @@ use super::super::GAP_STEPS;
 use super::super::error::LogErrorKind;
 use super::super::quantity::Quantity;
 use super::super::recording::{Stream, StreamColumn};
-use crate::statistics::wrapped;
+use crate::statistics::{median_step, wrapped};
 
 /// Readings that are out of order or out of range are an accident up to this share of all.
 const ACCIDENTS_MAX: f64 = 0.01;
@@ -75,9 +75,7 @@ impl<'a> Readings<'a> {
         if outside > 0 {
             notes.push(format!("{}: {outside} of {all} readings left out, outside of what they can be", column.source));
         }
-        let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        let Some(median_s) = steps.get(steps.len() / 2) else { return Ok(None) };
+        let Some(median_s) = median_step(&time_s) else { return Ok(None) };
         let (gap_s, between) = (GAP_STEPS * median_s, Between::of(column.quantity));
         Ok(Some(Readings { quantity: column.quantity, source: &column.source, between, time_s, value, gap_s }))
     }

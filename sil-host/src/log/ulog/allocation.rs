@@ -9,7 +9,7 @@ use super::super::messages::{Messages, Table};
 use super::super::quantity::Quantity;
 use super::super::recording::Stream;
 use super::px4::{array, seconds};
-use crate::statistics::{Cholesky, median};
+use crate::statistics::{Cholesky, median_step};
 
 const TORQUE: &str = "vehicle_torque_setpoint";
 const THRUST: &str = "vehicle_thrust_setpoint";
@@ -152,5 +152,5 @@ fn stop(stream: &mut Stream, own: &Stream) {
 
 /// By the median step.
 fn rate_hz(time_s: &[f64]) -> Option<f64> {
-    (time_s.len() > 1).then(|| 1.0 / median(time_s.windows(2).map(|pair| pair[1] - pair[0]).collect()))
+    median_step(time_s).map(|step_s| 1.0 / step_s)
 }

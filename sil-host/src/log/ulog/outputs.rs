@@ -2,7 +2,7 @@
 
 use super::super::messages::Messages;
 use super::super::quantity::Quantity;
-use super::super::recording::{Fact, FactValue, Stream};
+use super::super::recording::{Fact, FactValue, Stream, said_or_usual};
 use super::px4::{array, seconds};
 
 /// No pulse is longer, us; DroneCAN's `esc.RawCommand` has 14 bits with a sign.
@@ -38,17 +38,13 @@ fn range(columns: &[&[f64]; 4]) -> f64 {
 
 /// Widths of a motor's pulses for no and full thrust, us.
 fn pulses_us(messages: &Messages, motor: usize, given: usize, facts: &mut Vec<Fact>) -> [f64; 2] {
-    [("MIN", 1000.0), ("MAX", 2000.0)].map(|(end, default)| {
+    [("MIN", 1000.0), ("MAX", 2000.0)].map(|(end, default_us)| {
         // -1 stands for the value of all outputs, which firmware up to 1.12 keeps under two names
         let names = [format!("PWM_MAIN_{end}{}", given + 1), format!("PWM_MAIN_{end}"), format!("PWM_{end}")];
-        let said = names.into_iter().find_map(|name| {
-            messages.parameter(&name).filter(|pulse_us| *pulse_us >= 0.0).map(|pulse_us| (name, pulse_us))
-        });
         let fact = format!("motor{}_{}_us", motor + 1, end.to_lowercase());
-        facts.push(match &said {
-            Some((name, pulse_us)) => Fact::said(&fact, FactValue::Number(*pulse_us), &format!("parameter {name}")),
-            None => Fact::assumed(&fact, FactValue::Number(default), "no parameter; PX4's default"),
-        });
-        said.map_or(default, |(_, pulse_us)| pulse_us)
+        let default = (default_us, "no parameter; PX4's default");
+        let (pulse_us, fact) = said_or_usual(messages, &fact, &names, |pulse_us| pulse_us >= 0.0, default);
+        facts.push(fact);
+        pulse_us
     })
 }

@@ -5,7 +5,7 @@
 use shared_control::learning::adoption::LearntModel;
 
 use super::super::messages::{Messages, Table};
-use super::super::motor_order::{MotorOrder, Rotor, SPIN_REVERSED};
+use super::super::motor_order::{MotorOrder, Rotor, no_quadrotor, spin_reversed};
 use super::super::quantity::Quantity;
 use super::super::quaternions::euler_columns;
 use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
@@ -80,12 +80,8 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     let mut recording = head(messages);
     let kind = messages.parameter("MAV_TYPE");
     if let Some(kind) = kind.filter(|kind| *kind != QUADROTOR) {
-        let called = KINDS.iter().find(|(kinds, _)| kinds.contains(&kind)).map(|(_, called)| format!(", {called}"));
-        return Err(format!(
-            "the vehicle is no quadrotor: its parameter MAV_TYPE is {kind}{}; only quadrotors are simulated, and if it \
-             is one all the same, a --map that names the fields reads it",
-            called.unwrap_or_default()
-        ));
+        let called = KINDS.iter().find(|(kinds, _)| kinds.contains(&kind)).map(|(_, called)| *called);
+        return Err(no_quadrotor("MAV_TYPE", kind, called));
     }
     let order = motor_order(messages, &mut recording.facts, &mut recording.frame_turn_deg)?;
     recording.streams.extend(rates(messages));
@@ -283,18 +279,15 @@ fn motor_order(messages: &Messages, facts: &mut Vec<Fact>, frame_turn_deg: &mut 
         let source = format!("parameters CA_ROTOR{given}_PX, _PY, _KM");
         facts.push(Fact::said(&format!("motor{}", motor + 1), FactValue::Text(text), &source));
     }
-    facts.extend(order.is_spin_reversed.then(spin_reversed));
+    if order.is_spin_reversed {
+        facts.push(Fact::said("spin", spin_reversed(), "parameters CA_ROTOR0_KM to CA_ROTOR3_KM"));
+    }
     Ok(order.given)
 }
 
 fn plus(source: &str) -> Fact {
     let text = format!("a plus: an X in axes that are turned by {PLUS_DEG} degrees");
     Fact::said("frame", FactValue::Text(text), source)
-}
-
-/// All rotors turn the other way than docs/rig.md's.
-fn spin_reversed() -> Fact {
-    Fact::said("spin", FactValue::Text(SPIN_REVERSED.to_owned()), "parameters CA_ROTOR0_KM to CA_ROTOR3_KM")
 }
 
 /// Commands of the control allocation, 0 to 1; no number stands for a stopped motor.

@@ -7,8 +7,8 @@
 //! quaternion in 32 bits.
 
 use super::super::messages::{Messages, Table};
-use super::super::quantity::{GRAVITY_M_S2, Quantity};
-use super::super::quaternions::euler_columns;
+use super::super::quantity::{DEGREE_RAD, GRAVITY_M_S2, Quantity};
+use super::super::quaternions::{ROUNDED, euler_columns};
 use super::super::recording::{Fact, FactValue, Recording, Stream};
 use super::TIMESTAMP;
 use crate::axis::Axis;
@@ -17,7 +17,6 @@ use crate::axis::Axis;
 const MOTORS: [&str; 4] = ["m1", "m3", "m4", "m2"];
 const DUTY: f64 = 1.0 / 65535.0;
 const MILLI: f64 = 1e-3;
-const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
 /// Every event with variables that have a meaning here, as a stream of its own.
 pub(super) fn translated(messages: &Messages, mut recording: Recording) -> Recording {
@@ -110,7 +109,7 @@ fn attitude(table: &Table) -> Option<(&'static str, [Vec<f64>; 3])> {
 
 /// Euler angles of quaternions w, x, y, z.
 fn angles(quaternions: impl Iterator<Item = [f64; 4]>) -> [Vec<f64>; 3] {
-    let mut columns = euler_columns(quaternions, 0.9..1.1);
+    let mut columns = euler_columns(quaternions, ROUNDED);
     for (axis, column) in Axis::ALL.into_iter().zip(&mut columns) {
         column.iter_mut().for_each(|angle| *angle = flu(axis, *angle));
     }
