@@ -312,7 +312,8 @@ impl Departures<'_> {
         })
     }
 
-    /// A weak motor and a mass, as near as both are in proportion to their sizes.
+    /// A weak motor and a mass, as near as both are in proportion to their sizes. A motor that became stronger at the
+    /// same time is none.
     fn by_both(&self, motor: usize) -> Option<Explanation> {
         let direction = |cause: Cause| -> Vec<f64> {
             let scaled = |number: &Expected| self.change(cause, SMALL, number.of) / SMALL / number.std;
@@ -326,7 +327,7 @@ impl Departures<'_> {
         let right = Vector2::new(dot(&weak, &by), dot(&mass, &by));
         let sizes = covariance * right;
         let both = weak.iter().zip(&mass).zip(&self.normal.numbers);
-        Some(Explanation {
+        (sizes.x > 0.0).then(|| Explanation {
             cause: Cause::WeakMotorAndMass(motor),
             values: vec![sizes.x, sizes.y],
             std: covariance.diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect(),
