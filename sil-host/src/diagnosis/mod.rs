@@ -308,7 +308,7 @@ fn searched<T>(
     match holding::in_lasting_noise(log, subject, &search, &ordinary, &base)? {
         Some(lasting) if lasting.denies => {
             let search = Search::new(&lasting.shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
-            let base = base::modelled(&search, &ordinary, &lasting.numbers);
+            let base = base::modelled_from(&search, &ordinary, &lasting.numbers);
             Ok(beside(search, &base))
         }
         lasting => {
