@@ -176,7 +176,15 @@ fn beginnings<'e>(
 
 /// The base model of a log in the noise of a search, without what makes its predictions worse.
 pub(super) fn modelled<'e>(search: &Search<'e>, ordinary: &'e [Fitted], in_sensors: &Numbers) -> Fit<'e> {
-    let base = fitted(search, ordinary, Some(in_sensors)).fit;
+    without_harm(search, fitted(search, ordinary, Some(in_sensors)).fit)
+}
+
+/// The same where it is known where the best of all starts ends.
+pub(super) fn modelled_from<'e>(search: &Search<'e>, ordinary: &'e [Fitted], best: &Numbers) -> Fit<'e> {
+    without_harm(search, fitted_from(search, ordinary, best))
+}
+
+fn without_harm<'e>(search: &Search<'e>, base: Fit<'e>) -> Fit<'e> {
     judge::useful(search, search.refitted(base.terms, &base.starts))
 }
 

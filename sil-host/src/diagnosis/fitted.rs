@@ -92,6 +92,15 @@ impl Fitted {
         }
     }
 
+    /// The axis, of what acts on a separate one alone, by nothing but that one's motion and the time.
+    pub(super) fn separate_axis(&self, values: &[f64]) -> Option<Axis> {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.axis().filter(|_| hypothesis.effect(values).keeps_to_axis()),
+            Fitted::InputGain(axis) => Some(*axis),
+            Fitted::LiftOffset { .. } | Fitted::ReactionTorque => None,
+        }
+    }
+
     /// The motor, 1 to 4, of what has one.
     pub(super) fn motor(&self) -> Option<u8> {
         match self {

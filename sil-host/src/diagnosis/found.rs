@@ -103,7 +103,8 @@ impl<'e> Search<'e> {
         agreed
     }
 
-    fn again(&self, candidate: &Candidate<'e>) -> Fit<'e> {
+    /// A model fitted to all windows but those of the report.
+    pub(super) fn again(&self, candidate: &Candidate<'e>) -> Fit<'e> {
         self.refitted(candidate.fit.terms.clone(), &candidate.fit.starts)
     }
 

@@ -146,7 +146,6 @@ pub(super) fn in_lasting_noise<'l>(
     if !shooting.is_disturbed() {
         return Ok(None);
     }
-    let own = gains_of(&search.with_parts_left_out(base.clone()));
     let (gains, numbers) = {
         let search = under(&shooting, search);
         let fit = base::fitted(&search, ordinary, Some(&numbers)).fit;
@@ -156,9 +155,13 @@ pub(super) fn in_lasting_noise<'l>(
     let apart = APART[usize::from(!log.shows_free_flight())];
     let is_sure = |of: &LastingGain| of.gain_rad_s2.abs() > SURE * of.std_rad_s2;
     let both = |of: &LastingGain| [of.gain_rad_s2, of.std_rad_s2];
-    let denies =
+    let exceeds =
         |(own, of): (&LastingGain, &LastingGain)| is_sure(of) && exceeds(both(of), both(own), [apart, APART_STDS]);
-    let denies = own.iter().zip(&gains).any(denies);
+    // how sure the others are takes many fits, and matters only where it could tell them apart
+    let exact = |own: LastingGain| LastingGain { std_rad_s2: 0.0, ..own };
+    let may_deny = gains_of(base).into_iter().map(exact).zip(&gains).any(|(own, of)| exceeds((&own, of)));
+    let own = || gains_of(&search.with_parts_left_out(base.clone()));
+    let denies = may_deny && own().iter().zip(&gains).any(exceeds);
     Ok(Some(Lasting { shooting, numbers, gains, denies }))
 }
 

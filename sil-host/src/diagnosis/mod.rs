@@ -280,13 +280,20 @@ fn searched<T>(
     let (scope, sensors) = (subject.scope(log), Kinematics::of(log));
     let catalogue = known.leaves(sensors.informed(Fitted::hypotheses(&scope)));
     let fitted_along = subject.fitted_along(log)?;
-    let (search, found) =
-        sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, as_terms(&fitted_along), observer));
-    observability::check(log, &search, &found.refitted.nominal)?;
+    let of = |shooting| Search::new(shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
     // of a vehicle in free flight that no model knows nothing can be a finding before it is known what is its own
-    if !search.shooting.log.is_of_unknown_flyer() && !search.is_far(&found.chosen) {
-        return Ok(conclude(&search, found));
-    }
+    let search = if !subject.is_vehicle() && log.shows_free_flight() {
+        let (search, nominal) = sampled.unsearched(of);
+        observability::check(log, &search, &nominal)?;
+        search
+    } else {
+        let (search, found) = sampled.search(of);
+        observability::check(log, &search, &found.refitted.nominal)?;
+        if !search.is_far(&found.chosen) {
+            return Ok(conclude(&search, found));
+        }
+        search
+    };
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
     let ordinary = known.leaves(base::ordinary_with_sensors(&scope, &sensors));
     let (shooting, in_sensors) = base::disturbed(log, subject, &search, &ordinary)?;
@@ -302,7 +309,7 @@ fn searched<T>(
     match holding::in_lasting_noise(log, subject, &search, &ordinary, &base)? {
         Some(lasting) if lasting.denies => {
             let search = Search::new(&lasting.shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
-            let base = base::modelled(&search, &ordinary, &lasting.numbers);
+            let base = base::modelled_from(&search, &ordinary, &lasting.numbers);
             Ok(beside(search, &base))
         }
         lasting => {

@@ -2,9 +2,10 @@
 
 use super::progress::Progress;
 use super::search::{Candidate, FITTED_MAX, SIGNIFICANT, Search};
-use crate::diagnosis::fitting::fit::{Term, model_of, regular, shifted_models, with_priors};
+use crate::diagnosis::fitting::fit::{Term, model_of, regular, with_priors};
 use crate::diagnosis::fitting::hints::hints;
 use crate::diagnosis::fitting::linearisation::{Eliminated, Linearisation, normal_beside};
+use crate::diagnosis::fitting::shifted::shifted_models;
 use crate::prediction::windowed_log::Residuals;
 use crate::statistics::{Cholesky, dot};
 

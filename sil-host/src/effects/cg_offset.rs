@@ -115,12 +115,13 @@ impl Moment for CgOffset {
             }
             return;
         }
-        let [(sin_phi, cos_phi), (sin_theta, cos_theta)] =
-            motion.separate.unwrap_or_else(|| [motion.roll, libm::sincos(motion.angle_rad[1])]);
+        let (sin_theta, cos_theta) = libm::sincos(motion.angle_rad[1]);
         match self.axis {
             Axis::Roll => {
+                let (sin_phi, cos_phi) =
+                    if motion.is_separate { libm::sincos(motion.angle_rad[0]) } else { motion.roll };
                 moment[0] += cos_theta * (c * cos_phi - s * sin_phi);
-                if motion.separate.is_none() {
+                if !motion.is_separate {
                     moment[1] -= sin_theta * (c * sin_phi + s * cos_phi);
                 }
             }

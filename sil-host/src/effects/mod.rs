@@ -98,6 +98,11 @@ trait Extension {
         false
     }
 
+    /// True if on separate axes it acts on its own axis alone, by nothing but that one's motion and the time.
+    fn keeps_to_axis(&self) -> bool {
+        false
+    }
+
     /// Longest step of an explicit integration that still follows it on a body of these principal moments, s.
     fn step_max_s(&self, _inertia_kg_m2: [f64; 3]) -> f64 {
         f64::INFINITY
@@ -285,6 +290,11 @@ impl Effect {
     /// True if its moment about an axis goes by that axis' own angle or rate.
     pub(crate) fn restores(&self) -> bool {
         self.extension().restores()
+    }
+
+    /// True if on separate axes it acts on its own axis alone, by nothing but that one's motion and the time.
+    pub(crate) fn keeps_to_axis(&self) -> bool {
+        self.extension().keeps_to_axis()
     }
 
     /// Longest step of an explicit integration that still follows it on a body of these principal moments, s.

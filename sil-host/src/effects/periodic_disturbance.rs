@@ -80,6 +80,10 @@ impl Extension for PeriodicDisturbance {
         Some(self)
     }
 
+    fn keeps_to_axis(&self) -> bool {
+        true
+    }
+
     fn step_max_s(&self, _inertia_kg_m2: [f64; 3]) -> f64 {
         // forty steps a period
         0.025 / self.frequency_hz

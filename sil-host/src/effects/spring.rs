@@ -74,6 +74,10 @@ impl Extension for Spring {
         Some(self)
     }
 
+    fn keeps_to_axis(&self) -> bool {
+        true
+    }
+
     fn restores(&self) -> bool {
         true
     }

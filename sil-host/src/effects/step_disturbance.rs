@@ -67,6 +67,10 @@ impl Extension for StepDisturbance {
         Some(self)
     }
 
+    fn keeps_to_axis(&self) -> bool {
+        true
+    }
+
     fn sets_in_s(&self) -> Option<f64> {
         Some(self.start_s)
     }

@@ -15,7 +15,7 @@ fn at(roll: f64, pitch: f64, lift_over_weight: Option<f64>) -> Motion {
         roll: libm::sincos(roll),
         force: [lift_over_weight.unwrap_or_default(), 0.0, 0.0, 0.0],
         spin: NetSpin::default(),
-        separate: None,
+        is_separate: false,
         per_weight_1_n: lift_over_weight.map(|_| 1.0),
     }
 }
@@ -57,8 +57,7 @@ fn a_wrong_short_form_says_what_was_expected() {
 #[test]
 fn an_offset_centre_pulls_each_separate_axis_by_itself() {
     for (roll, pitch) in [(0.0, 0.0), (0.4, 0.0), (-0.7, 0.3), (0.2, -0.9)] {
-        let separate = Some([roll, pitch].map(libm::sincos));
-        let motion = Motion { roll: (0.0, 1.0), separate, ..at(roll, pitch, None) };
+        let motion = Motion { roll: (0.0, 1.0), is_separate: true, ..at(roll, pitch, None) };
         let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (libm::sincos(roll), libm::sincos(pitch));
         let gravity = [-sin_theta, cos_theta * sin_phi, cos_theta * cos_phi];
         let (y, z) = (0.1, -0.04);

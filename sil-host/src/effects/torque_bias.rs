@@ -53,6 +53,10 @@ impl Extension for TorqueBias {
     fn moment(&self) -> Option<&dyn Moment> {
         Some(self)
     }
+
+    fn keeps_to_axis(&self) -> bool {
+        true
+    }
 }
 
 impl Moment for TorqueBias {

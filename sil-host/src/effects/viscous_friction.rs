@@ -61,6 +61,10 @@ impl Extension for ViscousFriction {
         Some(self)
     }
 
+    fn keeps_to_axis(&self) -> bool {
+        true
+    }
+
     fn restores(&self) -> bool {
         true
     }

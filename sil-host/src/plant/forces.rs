@@ -154,7 +154,7 @@ impl Extended<'_> {
             roll: (0.0, 1.0),
             force: [0.0; 4],
             spin: NetSpin::default(),
-            separate: None,
+            is_separate: false,
             per_weight_1_n: None,
         }
     }

@@ -46,21 +46,15 @@ impl Body {
 
     /// The motion of a state, as moments see it.
     #[inline]
-    fn motion(
-        &self,
-        time_s: f64,
-        x: &Turning,
-        roll: (f64, f64),
-        separate: Option<[(f64, f64); 2]>,
-        motors: ForceAndSpin,
-    ) -> Motion {
+    fn motion(&self, time_s: f64, x: &Turning, roll: (f64, f64), motors: ForceAndSpin) -> Motion {
         let per_weight_1_n = match self {
             Body::Free { body, .. } => Some(body.per_weight_1_n()),
             Body::Gimbal { .. } | Body::Axes { .. } => None,
         };
         let (angle_rad, rate_rad_s) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
         let ForceAndSpin { force, spin } = motors;
-        Motion { time_s, onset: Onset::Ramp, angle_rad, rate_rad_s, roll, separate, force, spin, per_weight_1_n }
+        let is_separate = matches!(self, Body::Axes { .. });
+        Motion { time_s, onset: Onset::Ramp, angle_rad, rate_rad_s, roll, is_separate, force, spin, per_weight_1_n }
     }
 
     /// Change of the state under what the motors do, moments, and those of the air about roll, pitch and yaw.
@@ -72,14 +66,11 @@ impl Body {
         moments: &[Box<dyn Moment>],
         by_air: [f64; 3],
     ) -> Turning {
-        let (roll, separate) = match self {
-            Body::Axes { .. } => {
-                let needed = !moments.is_empty();
-                ((0.0, 1.0), needed.then(|| [libm::sincos(x[0]), libm::sincos(x[1])]))
-            }
-            Body::Gimbal { .. } | Body::Free { .. } => (libm::sincos(x[0]), None),
+        let roll = match self {
+            Body::Axes { .. } => (0.0, 1.0),
+            Body::Gimbal { .. } | Body::Free { .. } => libm::sincos(x[0]),
         };
-        let moment = sum(by_air, moments, || self.motion(time_s, x, roll, separate, *motors));
+        let moment = sum(by_air, moments, || self.motion(time_s, x, roll, *motors));
         let force = motors.force;
         let rate = [x[3], x[4], x[5]];
         match self {
@@ -114,7 +105,7 @@ impl Body {
         let Body::Free { airframe, body } = self else {
             return self.derivative(time_s, x, motors, moments, by_air);
         };
-        let moment = sum(by_air, moments, || self.motion(time_s, x, (0.0, 1.0), None, *motors));
+        let moment = sum(by_air, moments, || self.motion(time_s, x, (0.0, 1.0), *motors));
         let torque = airframe.torque_body_nm(motors.force);
         let on = core::array::from_fn(|axis| torque[axis] + moment[axis]);
         let [d, e, f] = body.angular_acceleration_rad_s2([x[3], x[4], x[5]], on);
@@ -143,7 +134,7 @@ impl Body {
         let attitude = Attitude::of([roll, pitch, yaw]);
         let along = attitude.in_body(air.against_m_s([north, east, down]));
         let by_air = by_air.unwrap_or_else(|| air.torque_body_nm([along[0], along[1]]));
-        let moment = sum(by_air, moments, || self.motion(time_s, &turning(x), attitude.roll, None, motors));
+        let moment = sum(by_air, moments, || self.motion(time_s, &turning(x), attitude.roll, motors));
         let torque = airframe.torque_body_nm(lifts_n);
         let [a, b, c, d, e, f] = free(body, attitude.roll, attitude.pitch, [p, q, r], torque, moment);
         let felt = body.specific_force_m_s2(lifts_n.iter().sum(), air.push_n(along));

@@ -36,6 +36,8 @@ pub(crate) struct Model {
     acts_by_angle: bool,
     /// True where one goes by its own axis' angle or rate.
     pub(super) restores: bool,
+    /// True where one may act across separate axes.
+    acts_across: bool,
 }
 
 /// What a log would report in the rows of a window.
@@ -91,6 +93,7 @@ impl Model {
             turns_round_rad_s: [None; 3],
             acts_by_angle: false,
             restores: false,
+            acts_across: false,
         };
         vehicle.effects.iter().for_each(|effect| model.add(effect));
         model
@@ -107,6 +110,7 @@ impl Model {
             turns_round_rad_s: [None; 3],
             acts_by_angle: false,
             restores: false,
+            acts_across: false,
         }
     }
 
@@ -120,10 +124,16 @@ impl Model {
             self.moments.push(Box::new(*effect));
             self.acts_by_angle |= effect.acts_by_angle();
             self.restores |= effect.restores();
+            self.acts_across |= !effect.keeps_to_axis();
         }
         if let (Some(axis), Some(rate_rad_s)) = (effect.axis(), effect.turns_round_rad_s()) {
             self.turns_round_rad_s[axis.index()] = Some(rate_rad_s);
         }
+    }
+
+    /// True of axes none of which changes anything of what is predicted of the others.
+    pub(crate) fn has_separate_axes(&self) -> bool {
+        matches!(self.body, Body::Axes { .. }) && !self.acts_across && self.changes.sensors.yaw_rad == 0.0
     }
 
     /// Sets the input gain of a separate axis; a vehicle has none.

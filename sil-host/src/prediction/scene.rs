@@ -65,6 +65,7 @@ impl<'s> Passing<'s> {
         let (row, share) = self.place(time_s);
         let [from, to] = match self.turns.get() {
             Some((known, turns)) if known == row => turns,
+            Some((known, [_, next])) if known + 1 == row => [next, measured.get(row + 1)?.turn(sensors)],
             _ => [measured.get(row)?.turn(sensors), measured.get(row + 1)?.turn(sensors)],
         };
         self.turns.set(Some((row, [from, to])));

@@ -13,7 +13,7 @@ use crate::axis::Axis;
 use crate::statistics::{Cholesky, dot, dots};
 
 /// Change of a start state for a difference quotient, SI.
-pub(crate) const START_STEP: f64 = 1e-5;
+const START_STEP: f64 = 1e-5;
 
 /// How rows show the state at the first of them: slopes of their residuals, and the normal equations, factored.
 pub(crate) struct StartSight {
@@ -36,18 +36,56 @@ impl WindowedLog<'_> {
         of: impl Fn(&State) -> Residuals,
     ) -> (Residuals, Vec<Residuals>) {
         let residual = of(start);
-        let along = |free: &Channel| {
-            if self.moves_alone(driven, *free) {
-                return self.moved_alone(window, *free);
+        let mut slopes: Vec<Residuals> = vec![Residuals::new(); self.free_at_start.len()];
+        for together in self.moved_together(driven) {
+            if let [place] = together[..]
+                && self.moves_alone(driven, self.free_at_start[place])
+            {
+                slopes[place] = self.moved_alone(window, self.free_at_start[place]);
+                continue;
             }
             let mut shifted = *start;
-            if let Some(value) = free.of_state(&mut shifted) {
-                *value += START_STEP;
+            for place in &together {
+                if let Some(value) = self.free_at_start[*place].of_state(&mut shifted) {
+                    *value += START_STEP;
+                }
             }
-            slope(&residual, of(&shifted), START_STEP)
-        };
-        let slopes = self.free_at_start.iter().map(along).collect();
+            let shifted = of(&shifted);
+            for place in &together {
+                let axis = self.free_at_start[*place].turning_axis().filter(|_| together.len() > 1);
+                slopes[*place] = self.slope(&residual, &shifted, START_STEP, axis);
+            }
+        }
         (residual, slopes)
+    }
+
+    /// Places of the numbers of a start state, those together that may be moved at once: of separate axes each one's
+    /// moves what is predicted of that axis alone.
+    fn moved_together(&self, driven: &Driven) -> Vec<Vec<usize>> {
+        let places = 0..self.free_at_start.len();
+        if !driven.model.has_separate_axes() {
+            return places.map(|place| vec![place]).collect();
+        }
+        let is_angle = |place: &usize| matches!(self.free_at_start[*place], Channel::Angle(_));
+        let (angles, rates): (Vec<usize>, Vec<usize>) = places.partition(is_angle);
+        [angles, rates].into_iter().filter(|together| !together.is_empty()).collect()
+    }
+
+    /// How a prediction changes with a number: minus the change of the residual; of a number that acts on a separate
+    /// axis alone, of that axis' channels.
+    pub(crate) fn slope(&self, base: &Residuals, shifted: &Residuals, step: f64, of: Option<Axis>) -> Residuals {
+        let rows = base.len() / self.compared().count().max(1);
+        let mut slope = Vec::with_capacity(base.len());
+        for (place, (channel, _)) in self.compared().enumerate() {
+            let own = place * rows..(place + 1) * rows;
+            if of.is_some_and(|axis| channel.turning_axis() != Some(axis)) {
+                slope.resize(own.end, 0.0);
+            } else {
+                slope
+                    .extend(base[own.clone()].iter().zip(&shifted[own]).map(|(base, shifted)| (base - shifted) / step));
+            }
+        }
+        slope
     }
 
     /// True for a velocity or the height at a start where these act on nothing.
@@ -135,12 +173,6 @@ pub(crate) fn start_factor(slopes: &[Residuals], free: &[Channel]) -> Option<Cho
     Cholesky::new(&matrix, size)
 }
 
-/// How a prediction changes with a parameter: minus the change of the residual.
-pub(crate) fn slope(base: &Residuals, mut shifted: Residuals, step: f64) -> Residuals {
-    shifted.iter_mut().zip(base).for_each(|(shifted, base)| *shifted = (base - *shifted) / step);
-    shifted
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,6 +226,26 @@ mod tests {
             // was measured wrong
             assert!(!measured[0] || angle.abs() < 1e-7, "{angle}");
             assert!(rate.abs() < 1e-6, "{measured:?}: {rate}");
+        }
+    }
+
+    #[test]
+    fn starts_of_separate_axes_are_moved_at_once_and_have_the_slopes_that_each_has_alone() {
+        let (one, _) = moved([0.002, 0.01], 3);
+        let of_all = |of: &[Option<Vec<f64>>; 3]| [(); 3].map(|()| of[1].clone());
+        let (angle_rad, rate_rad_s) = (of_all(&one.angle_rad), of_all(&one.rate_rad_s));
+        let log = Log { axes: [true; 3], angle_rad, rate_rad_s, axis_command: of_all(&one.axis_command), ..one };
+        let windowed = Subject::Axes.windowed(&log, &Subject::Axes.noise(&log)).unwrap();
+        let driven = windowed.drive(Model::of_axes([GAIN_RAD_S2; 3], DirectInput::Axes));
+        let (window, together) = (&windowed.windows[1], windowed.moved_together(&driven));
+        assert_eq!((together.len(), together.concat().len()), (2, 6));
+        let start = windowed.measured_state(&driven.model, window.start);
+        let (residual, slopes) = windowed.start_slopes(&driven, window, &start);
+        for (free, slope) in windowed.free_at_start.iter().zip(slopes) {
+            let mut shifted = start;
+            *free.of_state(&mut shifted).unwrap() += START_STEP;
+            let alone = windowed.residual(&driven, window, &shifted);
+            assert_eq!(slope, windowed.slope(&residual, &alone, START_STEP, None), "{free:?}");
         }
     }
 

@@ -15,8 +15,8 @@ pub(crate) struct Motion {
     pub(crate) rate_rad_s: [f64; 3],
     /// Sine and cosine of roll; of no roll on separate axes, whose torques turn nothing but their own.
     pub(crate) roll: (f64, f64),
-    /// On separate axes alone, sine and cosine of roll and of pitch.
-    pub(crate) separate: Option<[(f64, f64); 2]>,
+    /// True on separate axes.
+    pub(crate) is_separate: bool,
     /// The four forces: the motors' lifts, N; on separate axes the axis commands.
     pub(crate) force: [f64; 4],
     /// How the rotors turn; still on separate axes.

@@ -11,7 +11,8 @@ use serde::Serialize;
 
 use crate::diagnosis::fitted::{Fitted, per_unit_inertia};
 use crate::diagnosis::fitting::eigen;
-use crate::diagnosis::fitting::fit::{Term, model_of, regular, shifted_models};
+use crate::diagnosis::fitting::fit::{Term, model_of, regular};
+use crate::diagnosis::fitting::shifted::shifted_models;
 use crate::diagnosis::found::Found;
 use crate::diagnosis::search::Search;
 use crate::statistics::Cholesky;

@@ -1,17 +1,13 @@
 //! Output error over windows: the parameters of some effects, by Gauss and Newton with Levenberg's damping.
 
-use rayon::prelude::*;
-
 use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::bounded_step::BoundedStep;
 use crate::diagnosis::fitting::left_out::LeftOut;
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::fitting::round::{Attempt, Round};
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::effects::Unknown;
 use crate::prediction::body::State;
 use crate::prediction::model::Model;
-use crate::prediction::windowed_log::Driven;
 use crate::statistics::{Cholesky, dot};
 
 /// Rounds of linearisation.
@@ -174,32 +170,6 @@ pub(in crate::diagnosis) fn model_of(nominal: Nominal<'_>, terms: &[Term<'_>]) -
         term.effect.apply(&term.values, &mut model);
     }
     model
-}
-
-/// For each parameter of the terms from `first` on, the model with that parameter moved by its step.
-pub(in crate::diagnosis) fn shifted_models(
-    shooting: &Shooting<'_>,
-    nominal: Nominal<'_>,
-    terms: &[Term<'_>],
-    first: usize,
-) -> Vec<(Driven, f64)> {
-    let mut shifts = Vec::new();
-    for (index, term) in terms.iter().enumerate().skip(first) {
-        for (place, parameter) in term.effect.unknowns().iter().enumerate() {
-            shifts.push((index, place, admissible_step(parameter, term.values[place])));
-        }
-    }
-    let driven = |(index, place, step): &(usize, usize, f64)| {
-        let mut moved = terms.to_vec();
-        moved[*index].values[*place] += step;
-        (shooting.log.drive(model_of(nominal, &moved)), *step)
-    };
-    // some have forces of their own to follow over the whole log
-    shifts.par_iter().with_max_len(1).map(driven).collect()
-}
-
-fn admissible_step(parameter: &Unknown, value: f64) -> f64 {
-    if value + parameter.step <= parameter.max { parameter.step } else { -parameter.step }
 }
 
 /// Fits the terms from their values on, and the start states of the training windows from `starts` on.

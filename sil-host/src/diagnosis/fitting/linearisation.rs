@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::prediction::Channel;
-use crate::prediction::start_state::{slope, start_factor};
+use crate::prediction::start_state::start_factor;
 use crate::prediction::windowed_log::Residuals;
 use crate::statistics::{Cholesky, dot, dots};
 
@@ -27,6 +27,12 @@ impl Linearisation {
             window.eliminated().map_or_else(|| Normal::nothing(window.parameters.len()), Eliminated::normal)
         };
         self.windows.par_iter().map(of).collect()
+    }
+
+    /// Window by window, the best change of the start state once the parameters have changed by `step`, and the sum of
+    /// squares that remains.
+    pub(in crate::diagnosis) fn best_starts(&self, step: &[f64]) -> Vec<(Vec<f64>, f64)> {
+        self.windows.par_iter().map(|window| window.best_start(step)).collect()
     }
 
     /// Normal equations over all windows.
@@ -120,9 +126,8 @@ impl Normal {
 }
 
 impl WindowLinear {
-    /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that
-    /// remains.
-    pub(in crate::diagnosis) fn best_start(&self, step: &[f64]) -> (Vec<f64>, f64) {
+    /// The same of one.
+    fn best_start(&self, step: &[f64]) -> (Vec<f64>, f64) {
         let mut residual = self.residual.clone();
         for (column, by) in self.parameters.iter().zip(step) {
             residual.iter_mut().zip(column).for_each(|(residual, slope)| *residual -= slope * by);
@@ -186,24 +191,4 @@ impl Eliminated<'_> {
 
 fn slices(columns: &[Residuals]) -> Vec<&[f64]> {
     columns.iter().map(Vec::as_slice).collect()
-}
-
-/// How a prediction changes with a parameter: minus the change of the residual.
-pub(in crate::diagnosis) fn slopes<'r>(
-    residual: impl Iterator<Item = &'r Residuals>,
-    shifted: Vec<Residuals>,
-    step: f64,
-) -> Vec<Residuals> {
-    residual.zip(shifted).map(|(base, shifted)| slope(base, shifted, step)).collect()
-}
-
-/// From column by column to window by window.
-pub(in crate::diagnosis) fn turned(columns: Vec<Vec<Residuals>>, windows: usize) -> Vec<Vec<Residuals>> {
-    let mut turned: Vec<Vec<Residuals>> = (0..windows).map(|_| Vec::with_capacity(columns.len())).collect();
-    for column in columns {
-        for (window, part) in turned.iter_mut().zip(column) {
-            window.push(part);
-        }
-    }
-    turned
 }

@@ -16,4 +16,5 @@ pub(in crate::diagnosis) mod process_noise;
 pub(in crate::diagnosis) mod round;
 pub(in crate::diagnosis) mod sampling;
 mod scatter;
+pub(in crate::diagnosis) mod shifted;
 pub(in crate::diagnosis) mod shooting;

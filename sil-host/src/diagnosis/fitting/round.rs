@@ -4,12 +4,11 @@
 use std::sync::Arc;
 
 use crate::diagnosis::fitting::bounded_step::BoundedStep;
-use crate::diagnosis::fitting::fit::{
-    Fit, Nominal, Term, model_of, prior_chi2, regular, shifted_models, spread, with_priors,
-};
+use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of, prior_chi2, regular, spread, with_priors};
 use crate::diagnosis::fitting::left_out::LeftOut;
 use crate::diagnosis::fitting::linearisation::{Linearisation, Normal, WindowLinear};
 use crate::diagnosis::fitting::scatter::scattered;
+use crate::diagnosis::fitting::shifted::shifted_models;
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::body::State;
 use crate::prediction::windowed_log::Residuals;

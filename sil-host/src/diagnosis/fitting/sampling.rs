@@ -6,7 +6,7 @@
 //! the faster controller is evidence for held ones. Beside a true delay or lag the likelihood may not decide: then
 //! commands that were held leave white residuals, and lost ones do not.
 
-use crate::diagnosis::fitting::fit::{Term, as_terms, fit, model_of};
+use crate::diagnosis::fitting::fit::{Fit, Term, as_terms, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::found::Found;
 use crate::diagnosis::remainder::structure::{Whiteness, whiteness};
@@ -74,19 +74,37 @@ impl<'l> Sampled<'l> {
         &'e self,
         of: impl Fn(&'e Shooting<'e>) -> Search<'e>,
     ) -> (Search<'e>, Found<'e>) {
+        let (search, found) = self.commanded(&of);
+        let found = found.unwrap_or_else(|| search.run());
+        (search, found)
+    }
+
+    /// The same for a log of which nothing is to be found yet: under which commands it is, and the model as it stands,
+    /// fitted to all windows but those of the report. It is searched only where that decides between the commands.
+    pub(in crate::diagnosis) fn unsearched<'e>(
+        &'e self,
+        of: impl Fn(&'e Shooting<'e>) -> Search<'e>,
+    ) -> (Search<'e>, Fit<'e>) {
+        let (search, found) = match self.alternatives {
+            Some(_) => self.commanded(&of),
+            None => (of(&self.held), None),
+        };
+        let nominal = found.map_or_else(|| search.again(&search.nominal()), |found| found.refitted.nominal);
+        (search, nominal)
+    }
+
+    /// The search under the commands that explain the log best, and what was found where these are held ones.
+    fn commanded<'e>(&'e self, of: &impl Fn(&'e Shooting<'e>) -> Search<'e>) -> (Search<'e>, Option<Found<'e>>) {
         // under held commands nothing is taken for noise: what is there is seen sharply
         let search = of(&self.held);
         let found = search.run();
-        match self.under_faster(&of, &search, &found.chosen) {
-            Some(faster) => {
-                let found = faster.run();
-                (faster, found)
-            }
-            None => (search, found),
+        match self.under_faster(of, &search, &found.chosen) {
+            Some(faster) => (faster, None),
+            None => (search, Some(found)),
         }
     }
 
-    /// The same without looking for anything: the model as it stands, what it leaves to each log fitted.
+    /// The model as it stands, what it leaves to each log fitted, under the commands that explain the log best with it.
     pub(in crate::diagnosis) fn nominal<'e>(
         &'e self,
         of: impl Fn(&'e Shooting<'e>) -> Search<'e>,

@@ -14,9 +14,9 @@ use rayon::prelude::*;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::axis_filter::{AxisFilter, AxisNoise, Lasting, filters, lasting};
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
-use crate::diagnosis::fitting::linearisation::{Linearisation, StartSlopes, WindowLinear, slopes, turned};
+use crate::diagnosis::fitting::linearisation::{Linearisation, StartSlopes, WindowLinear};
+use crate::diagnosis::fitting::shifted::{Moved, Shifted};
 use crate::prediction::body::State;
-use crate::prediction::start_state::START_STEP;
 use crate::prediction::windowed_log::{Driven, Residuals, WindowedLog};
 use crate::prediction::{Channel, Window};
 
@@ -80,79 +80,70 @@ impl<'a> Shooting<'a> {
             }
             let (own, turn) = (&mut residual[place * rows..(place + 1) * rows], TAU / sigma);
             for row in 1..rows {
-                own[row] -= turn * ((own[row] - own[row - 1]) / turn).round();
+                let turns = (own[row] - own[row - 1]) / turn;
+                if turns.abs() >= 0.5 {
+                    own[row] -= turn * turns.round();
+                }
             }
         }
     }
 
-    /// Innovations of some windows.
-    fn residuals(&self, driven: &Driven, which: &[usize], starts: &[State], shift: Option<Channel>) -> Vec<Residuals> {
-        let one = |index: &usize| {
-            let mut start = starts[*index];
-            if let Some(value) = shift.and_then(|channel| channel.of_state(&mut start)) {
-                *value += START_STEP;
-            }
-            self.innovations(driven, &self.log.windows[*index], &start)
-        };
-        which.par_iter().map(one).collect()
-    }
-
-    /// Residuals and slopes of some windows. `shifted` are models that differ from `base` in one parameter each, by a
-    /// step. The slopes along the start states may come from a linearisation nearby: over half a second they hardly
-    /// change with the parameters, and whatever they are, the fit ends where the residuals do not fall any more.
+    /// Residuals and slopes of some windows. `shifted` are models that differ from `base` by steps of its numbers. The
+    /// slopes along the start states may come from a linearisation nearby: over half a second they hardly change with
+    /// the parameters, and whatever they are, the fit ends where the residuals do not fall any more.
     pub(in crate::diagnosis) fn linearise(
         &self,
         base: &Driven,
-        shifted: &[(Driven, f64)],
+        shifted: &[Shifted],
         which: &[usize],
         starts: &[State],
         nearby: Option<&Linearisation>,
     ) -> Linearisation {
-        let residual = self.residuals(base, which, starts, None);
-        let start: Vec<Arc<StartSlopes>> = match nearby {
-            Some(nearby) => nearby.windows.iter().map(|window| Arc::clone(&window.start)).collect(),
-            None => self.start_slopes(base, which, starts, &residual),
+        let one = |(place, index): (usize, &usize)| {
+            let (window, start) = (&self.log.windows[*index], &starts[*index]);
+            let (residual, slopes) = match nearby {
+                Some(nearby) => (self.innovations(base, window, start), Arc::clone(&nearby.windows[place].start)),
+                None => {
+                    let (residual, slopes) = self.innovation_slopes(base, window, start);
+                    (residual, Arc::new(StartSlopes::new(slopes, &self.log.free_at_start)))
+                }
+            };
+            let parameters = self.window_slopes(&residual, shifted, window, start);
+            WindowLinear { residual, start: slopes, parameters }
         };
-        let along = |(driven, step): &(Driven, f64)| {
-            slopes(residual.iter(), self.residuals(driven, which, starts, None), *step)
-        };
-        let parameters = turned(shifted.iter().map(along).collect(), which.len());
-        let parts = residual.into_iter().zip(start).zip(parameters);
-        let windows =
-            parts.map(|((residual, start), parameters)| WindowLinear { residual, start, parameters }).collect();
-        Linearisation { windows }
+        Linearisation { windows: which.par_iter().enumerate().map(one).collect() }
     }
 
-    /// Slopes of some windows' residuals along their start states.
-    fn start_slopes(
-        &self,
-        base: &Driven,
-        which: &[usize],
-        starts: &[State],
-        residual: &[Residuals],
-    ) -> Vec<Arc<StartSlopes>> {
-        let free = &self.log.free_at_start;
-        let along = |free: &Channel| match self.log.moves_alone(base, *free) {
-            true => which.iter().map(|index| self.log.moved_alone(&self.log.windows[*index], *free)).collect(),
-            false => slopes(residual.iter(), self.residuals(base, which, starts, Some(*free)), START_STEP),
-        };
-        let slopes = turned(free.iter().map(along).collect(), which.len());
-        slopes.into_par_iter().map(|slopes| Arc::new(StartSlopes::new(slopes, free))).collect()
-    }
-
-    /// Slopes along more parameters, the rest taken from a linearisation at the same values.
+    /// Slopes of some windows along more parameters, the rest taken from a linearisation at the same values.
     pub(in crate::diagnosis) fn slopes_of(
         &self,
         linear: &Linearisation,
-        shifted: &[(Driven, f64)],
+        shifted: &[Shifted],
         which: &[usize],
         starts: &[State],
     ) -> Vec<Vec<Residuals>> {
-        let along = |(driven, step): &(Driven, f64)| {
-            let residual = linear.windows.iter().map(|window| &window.residual);
-            slopes(residual, self.residuals(driven, which, starts, None), *step)
+        let one = |(index, linear): (&usize, &WindowLinear)| {
+            self.window_slopes(&linear.residual, shifted, &self.log.windows[*index], &starts[*index])
         };
-        turned(shifted.iter().map(along).collect(), which.len())
+        which.par_iter().zip(&linear.windows).map(one).collect()
+    }
+
+    /// Slopes of one window, number by number in their order.
+    fn window_slopes(
+        &self,
+        residual: &Residuals,
+        shifted: &[Shifted],
+        window: &Window,
+        start: &State,
+    ) -> Vec<Residuals> {
+        let mut slopes = vec![Residuals::new(); shifted.iter().map(|shifted| shifted.numbers.len()).sum()];
+        for Shifted { driven, numbers } in shifted {
+            let moved = self.innovations(driven, window, start);
+            for Moved { place, step, axis } in numbers {
+                slopes[*place] = self.log.slope(residual, &moved, *step, *axis);
+            }
+        }
+        slopes
     }
 
     /// The best start states of some windows under a model, from given ones on, and the sum of squares that remains per
@@ -163,8 +154,7 @@ impl<'a> Shooting<'a> {
         for _ in 0..2 {
             let linear = self.linearise(driven, &[], which, starts, nearby.as_ref());
             left.clear();
-            for (index, window) in which.iter().zip(&linear.windows) {
-                let (step, chi2) = window.best_start(&[]);
+            for (index, (step, chi2)) in which.iter().zip(linear.best_starts(&[])) {
                 self.log.move_start(&mut starts[*index], &step);
                 left.push(chi2);
             }
@@ -181,8 +171,7 @@ impl<'a> Shooting<'a> {
         which: &[usize],
         starts: &mut [State],
     ) {
-        for (index, window) in which.iter().zip(&linear.windows) {
-            let (start_step, _) = window.best_start(step);
+        for (index, (start_step, _)) in which.iter().zip(linear.best_starts(step)) {
             self.log.move_start(&mut starts[*index], &start_step);
         }
     }

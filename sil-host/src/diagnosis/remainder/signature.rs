@@ -6,12 +6,13 @@
 use std::sync::Arc;
 
 use crate::axis::Axis;
-use crate::diagnosis::fitting::fit::{Fit, model_of, regular, shifted_models};
+use crate::diagnosis::fitting::fit::{Fit, model_of, regular};
 use crate::diagnosis::fitting::hints::hints;
 use crate::diagnosis::fitting::linearisation::{Normal, normal_beside};
+use crate::diagnosis::fitting::shifted::{Moved, Shifted, shifted_models};
 use crate::diagnosis::search::{Candidate, Search};
 use crate::prediction::body::{Moment, Motion};
-use crate::prediction::windowed_log::Driven;
+
 use crate::statistics::{Cholesky, decimals, dot};
 use crate::vehicle::signed_sums;
 
@@ -66,12 +67,12 @@ pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_
     let eliminated = linear.eliminated();
     let mut best: Option<(f64, String)> = None;
     for dependence in dependences(search) {
-        let with = |shape: &Shape| -> (Driven, f64) {
+        let with = |(place, shape): (usize, &Shape)| {
             let mut model = model_of(search.nominal, terms);
             model.moments.push(Box::new(Scaled { moment: Arc::clone(&shape.moment), by: STEP }));
-            (shooting.log.drive(model), STEP)
+            Shifted { driven: shooting.log.drive(model), numbers: vec![Moved { place, step: STEP, axis: None }] }
         };
-        let shifted: Vec<(Driven, f64)> = dependence.shapes.iter().map(with).collect();
+        let shifted: Vec<Shifted> = dependence.shapes.iter().enumerate().map(with).collect();
         let extra = shooting.slopes_of(&linear, &shifted, &all, &whole.starts);
         let normal = normal_beside(&eliminated, &extra);
         let Some((fall, coefficients)) = explained(&normal) else { continue };
