@@ -11,7 +11,7 @@ use shared_control::airframe::{MOTORS, TORQUE_SIGNS};
 use shared_control::config::{Controller, Tuning};
 use sil_host::control_setup::vehicle_parameters;
 use sil_host::controller_file::ControllerChoice;
-use sil_host::diagnosis::{BaseTerm, Difference, Estimate, Fact, Holding, LastingGain};
+use sil_host::diagnosis::{AtVoltage, BaseTerm, Difference, Estimate, Fact, Holding, LastingGain};
 use sil_host::effects::{Effect, Origin};
 use sil_host::flight::FlightSetup;
 use sil_host::hitl::{HitlFlight, Timing};
@@ -323,6 +323,9 @@ fn pages_describe_the_json_of_a_comparison_of_flights() {
     let finding = serde_json::to_value(difference(vec![difference(Vec::new())])).unwrap();
     answer["known"] = serde_json::to_value([Fact { name: "mass_kg", value: 1.0, std: 0.0 }]).unwrap();
     (answer["nearest"], answer["findings"]) = (finding.clone(), serde_json::json!([finding]));
+    let follows = Estimate { value: 1.0, std: 0.2 };
+    let at_voltage = AtVoltage { battery_v: 11.0, normal_battery_v: 10.5, follows };
+    answer["baseline"]["at_voltage"] = serde_json::to_value(at_voltage).unwrap();
     assert_described("diagnose --baseline", &answer);
 }
 
