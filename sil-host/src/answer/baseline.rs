@@ -54,11 +54,25 @@ fn basis(answer: &BaselineDiagnosis) -> String {
         _ => "of a vehicle whose propellers were changed or seated anew between flights",
     };
     format!(
-        "Normal flights: {flights}.{alone} Their spread is estimated from them and from a usual one, {between}, which \
-         counts as much as {usual:.0} flights. {}{} causes were tried. The chance of such departures in a normal \
+        "Normal flights: {flights}.{alone} {}Their spread is estimated from them and from a usual one, {between}, \
+         which counts as much as {usual:.0} flights. {}{} causes were tried. The chance of such departures in a normal \
          flight, all numbers together: {chance}.",
+        not_steady_text(&baseline.not_steady),
         baseline.at_voltage.as_ref().map_or_else(String::new, voltage_text),
         baseline.looks
+    )
+}
+
+/// Which logs show no steady flight.
+fn not_steady_text(logs: &[String]) -> String {
+    if logs.is_empty() {
+        return String::new();
+    }
+    format!(
+        "In {} the motors' mean command strays by more than a tenth, or stands still, for more than a third of the \
+         time (run-ups on the ground, idling, hops, acrobatics), so that neither trims nor collective are taken from \
+         it. ",
+        logs.join(", ")
     )
 }
 
@@ -122,7 +136,7 @@ pub fn text(answer: &BaselineDiagnosis) -> String {
 fn card(answer: &BaselineDiagnosis) -> Card {
     let (tone, verdict) = match answer.verdict {
         Verdict::NoDiscrepancy => (Tone::Good, "A normal flight"),
-        Verdict::Explained => (Tone::Doubtful, "Different, for one reason"),
+        Verdict::Explained => (Tone::Doubtful, "Different, and explained"),
         Verdict::PartlyExplained => (Tone::Bad, "Different, for more than this reason"),
         Verdict::UnknownEffect | Verdict::NotAModel | Verdict::NotShown => {
             (Tone::Bad, "Different, and no single cause explains it")

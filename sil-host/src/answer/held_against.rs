@@ -195,9 +195,13 @@ fn chosen_without_identifying(
     // nothing is to be guessed
     if said.model.is_some() || said.rig.is_some() || said.controller.is_some() {
         let vehicle = vehicle(log, said, wants_vehicle)?;
+        let at_voltage = vehicle.as_ref().zip(log.supplied_v()).and_then(|(model, own_v)| model.at_voltage(own_v));
+        let voltage = at_voltage.as_ref().zip(log.supplied_v()).map(|((_, of_v), own_v)| voltage_said(*of_v, own_v));
+        let vehicle = at_voltage.map(|(model, _)| model).or(vehicle);
         let against = vehicle.as_ref().and_then(|model| mismatch(log, model));
-        let said = against.map(|why| format!("MISMATCH: {why}. What follows is about the difference."));
-        return Ok(Some(HeldAgainst { vehicle, said: said.unwrap_or_default(), ..HeldAgainst::default() }));
+        let against = against.map(|why| format!("MISMATCH: {why}. What follows is about the difference."));
+        let said = against.into_iter().chain(voltage).collect::<Vec<_>>().join(" ");
+        return Ok(Some(HeldAgainst { vehicle, said, ..HeldAgainst::default() }));
     }
     if !is_foreign(log, said) {
         let is_free = log.rig_shown().is_some_and(|shown| shown.is_free);
@@ -224,6 +228,15 @@ fn chosen_without_identifying(
         return axes(log, wants_vehicle, said.to_owned()).map(Some);
     }
     Ok(None)
+}
+
+/// At which voltage a model is taken.
+fn voltage_said(of_v: f64, own_v: f64) -> String {
+    format!(
+        "The model was identified at {of_v:.2} V. This log's battery has {own_v:.2} V, and its commands are taken as \
+         {:.2} times as strong.",
+        own_v / of_v
+    )
 }
 
 /// The vehicle that these flights show, or separate axes with the reason.
@@ -311,5 +324,45 @@ fn vehicle(
         None => Ok(Some(VehicleModel::nominal(rig.unwrap_or(Rig::Gimbal)))),
         Some((file, SaidModel::Vehicle(model))) => Ok(Some(on_rig(model.as_ref().clone(), file, rig)?)),
         Some((file, SaidModel::Bench(_))) => Err(NotHeldAgainst::BenchForVehicle(file.clone())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vehicle::propulsion::Propulsion;
+
+    /// Two seconds of hover on this voltage.
+    fn hover(battery_v: f64, flight_controller: Option<&str>) -> Log {
+        let column = |value: f64| Some(vec![value; 200]);
+        Log {
+            flight_controller: flight_controller.map(str::to_owned),
+            axes: [true; 3],
+            time_s: (0..200).map(|row| 0.01 * f64::from(row)).collect(),
+            rate_rad_s: [0.0; 3].map(column),
+            motor_command: [0.5; 4].map(column),
+            battery_v: column(battery_v),
+            ..Log::default()
+        }
+    }
+
+    #[test]
+    fn a_model_is_taken_at_the_voltage_of_the_log() {
+        let mut model = VehicleModel::parse(include_str!("../../../models/box-free.toml"), "box-free.toml").unwrap();
+        let Propulsion::Box(motor) = &mut model.propulsion else { panic!("a box") };
+        motor.battery_v = Some(12.0);
+        let lift_slope_n = motor.lift_slope_n;
+        let model = Some(("identified.toml".to_owned(), SaidModel::Vehicle(Box::new(model))));
+        let said = Said { model, ..Said::default() };
+        let of = |log: &Log| {
+            let against = HeldAgainst::of(log, &said, &[], None, &|_| ()).unwrap();
+            let Some(Propulsion::Box(motor)) = against.vehicle.map(|model| model.propulsion) else { panic!("a box") };
+            (motor.lift_slope_n / lift_slope_n, against.said)
+        };
+        let (weaker, told) = of(&hover(10.0, Some("PX4")));
+        assert!((weaker - 10.0 / 12.0).abs() < 1e-12, "{weaker}");
+        assert!(told.contains("12.00 V") && told.contains("10.00 V") && told.contains("0.83 times"), "{told}");
+        // of a table nobody knows whether its commands are shares of the voltage
+        assert_eq!(of(&hover(10.0, None)), (1.0, String::new()));
     }
 }

@@ -20,6 +20,17 @@ const EXPO: Parameter = Parameter::new("expo", "", "share of the square, negativ
 const FIXED_AT: Parameter =
     Parameter::new("fixed_at", "", "command at which thrust stays as it is", [0.05, 1.0]).nominal(1.0).usual(1.0);
 
+impl ThrustCurve {
+    /// The curve of commands that are weaker by this factor, on a slope that is so much less; `None` where it is beyond
+    /// what a curve may be. `lower` times the command does what the command did.
+    pub(crate) fn of_weaker(&self, lower: f64) -> Option<Self> {
+        let linear = (1.0 - self.expo) * lower;
+        let weaker = Self { expo: self.expo / (linear + self.expo), fixed_at: self.fixed_at * lower };
+        let is_in = |parameter: &Parameter, value: f64| (parameter.min..=parameter.max).contains(&value);
+        (is_in(&EXPO, weaker.expo) && is_in(&FIXED_AT, weaker.fixed_at)).then_some(weaker)
+    }
+}
+
 impl Catalogued for ThrustCurve {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "thrust_curve",

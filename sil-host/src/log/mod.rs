@@ -35,6 +35,7 @@ mod runs;
 pub mod sanity;
 mod source;
 mod style;
+mod supply;
 mod time_base;
 mod turned;
 mod ulog;

@@ -28,7 +28,9 @@ pub struct ModelKey {
     pub unit: String,
     /// What it may be: "0.01 to 2", or names.
     pub range: String,
-    /// What stands for it where it is left out; none where it can't be.
+    /// Can it be left out?
+    pub is_optional: bool,
+    /// What stands for it where it is left out; none where nothing does, or it can't be.
     pub default: Option<f64>,
     /// In which files it stands: `rig = "free"`; empty for all.
     pub only_with: String,
@@ -115,7 +117,8 @@ impl ModelKey {
             }
         };
         let default = read.default.filter(|_| read.is_optional);
-        ModelKey { table: read.table.clone(), key: read.key, meaning, unit, range, default, only_with }
+        let (table, is_optional) = (read.table.clone(), read.is_optional);
+        ModelKey { table, key: read.key, meaning, unit, range, is_optional, default, only_with }
     }
 }
 

@@ -5,6 +5,7 @@
 //! how the diagnosis writes down a model that it has extended: [`VehicleModel::to_toml`] gives back what
 //! [`VehicleModel::parse`] reads.
 
+mod at_voltage;
 mod bench;
 mod effects;
 mod keys;

@@ -11,6 +11,7 @@ pub(super) fn unpowered(rig: Rig) -> VehicleModel {
         lift_offset_n: -1.0,
         lift_slope_n: 2.0,
         reaction_torque_per_lift_m: 0.05,
+        battery_v: None,
     });
     model.base_command = 0.0;
     model.rotor_drag_ns_m = 0.0;

@@ -180,7 +180,8 @@ fn pages_list_every_key_of_a_model_file() {
             table => format!("`[{table}]`"),
         };
         let code = |text: &str| if text.is_empty() { String::new() } else { format!("`{text}`") };
-        let default = key.default.map_or_else(|| "required".to_owned(), |value| value.to_string());
+        let without = if key.is_optional { "not known" } else { "required" };
+        let default = key.default.map_or_else(|| without.to_owned(), |value| value.to_string());
         vec![table, code(key.key), key.meaning, key.unit, key.range, default, code(&key.only_with)]
     });
     let head = ["table", "key", "meaning", "unit", "range", "default", "only with"];

@@ -43,6 +43,9 @@ pub struct Baseline {
     pub degrees_of_freedom: f64,
     /// At which battery voltage they are held, where all flights have one.
     pub at_voltage: Option<AtVoltage>,
+    /// Logs whose mean command strays too much for trims and collective to be compared; of the normal flights such a
+    /// one is left out where another one serves.
+    pub not_steady: Vec<String>,
     /// Number by number.
     pub numbers: Vec<Compared>,
     /// Causes that were tried.

@@ -14,10 +14,7 @@ use super::normal::{BetweenFlights, usual};
 use super::numbers::NumberOf;
 use crate::diagnosis::Estimate;
 
-/// Flight controllers that log what they tell the speed controllers (docs/log-format.md), the battery's compensation
-/// included.
-const LOGS_OUTPUTS: [&str; 4] = ["ArduPilot", "PX4", "Betaflight", "INAV"];
-/// Of these: a dead zone and the motors' own losses take a part.
+/// Of what speed controllers are told: a dead zone and the motors' own losses take a part.
 const OF_OUTPUTS: Estimate = Estimate { value: 1.0, std: 0.2 };
 /// Of commands of which nobody says whether they are divided by the voltage afterwards.
 const OF_ANY: Estimate = Estimate { value: 0.5, std: 0.5 };
@@ -32,10 +29,9 @@ pub(super) struct Supply {
 }
 
 impl Supply {
-    /// Of a log of this flight controller; `None` of another's table.
-    pub(super) fn of(battery_v: f64, flight_controller: Option<&str>) -> Option<Supply> {
-        let is_output = flight_controller.is_some_and(|name| LOGS_OUTPUTS.iter().any(|known| name.starts_with(known)));
-        let follows = if is_output { OF_OUTPUTS } else { OF_ANY };
+    /// Of a log that has the speed controllers' commands, or whose commands are not known to be those.
+    pub(super) fn of(battery_v: f64, has_outputs: bool) -> Option<Supply> {
+        let follows = if has_outputs { OF_OUTPUTS } else { OF_ANY };
         (battery_v > 0.0).then_some(Supply { battery_v, follows })
     }
 }
@@ -53,7 +49,11 @@ pub struct AtVoltage {
 
 impl AtVoltage {
     /// From flights that all have a voltage and a collective; a rig has none, and two records of a flight one voltage.
-    pub(super) fn of(flights: &[FlightNumbers], suspect: &FlightNumbers, between: BetweenFlights) -> Option<AtVoltage> {
+    pub(super) fn of(
+        flights: &[&FlightNumbers],
+        suspect: &FlightNumbers,
+        between: BetweenFlights,
+    ) -> Option<AtVoltage> {
         if between == BetweenFlights::SameFlight {
             return None;
         }
@@ -109,23 +109,28 @@ mod tests {
     use crate::diagnosis::LogSummary;
 
     /// A flight of a vehicle that hovers at 0.6 on 11 V, its commands going as the voltage to the power of minus this.
-    fn flight(battery_v: f64, power: f64, flight_controller: Option<&str>) -> FlightNumbers {
+    fn flight(battery_v: f64, power: f64, has_outputs: bool) -> FlightNumbers {
         FlightNumbers {
             log: LogSummary { path: String::new(), rows: 1000, duration_s: 10.0, rate_hz: 100.0, notes: Vec::new() },
             numbers: Vec::new(),
             collective: Some(0.6 * (battery_v / 11.0).powf(-power)),
-            supply: Supply::of(battery_v, flight_controller),
+            supply: Supply::of(battery_v, has_outputs),
             knows_motors: true,
+            is_steady: true,
         }
     }
 
+    fn held(normal: &[FlightNumbers], suspect: &FlightNumbers, between: BetweenFlights) -> Option<AtVoltage> {
+        AtVoltage::of(&normal.iter().collect::<Vec<_>>(), suspect, between)
+    }
+
     fn held_at(battery_v: f64, normal: &[FlightNumbers]) -> Option<AtVoltage> {
-        AtVoltage::of(normal, &flight(battery_v, 1.0, Some("ArduPilot 4.3")), BetweenFlights::Serviced)
+        held(normal, &flight(battery_v, 1.0, true), BetweenFlights::Serviced)
     }
 
     #[test]
     fn outputs_are_known_to_follow_the_voltage() {
-        let normal = [10.9, 11.1].map(|battery_v| flight(battery_v, 1.0, Some("ArduPilot 4.3")));
+        let normal = [10.9, 11.1].map(|battery_v| flight(battery_v, 1.0, true));
         let at = held_at(12.3, &normal).unwrap();
         assert!((at.follows.value - 1.0).abs() < 0.01 && at.follows.std < 0.21, "{at:?}");
         let collective = at.held(NumberOf::Collective, 0.6, 11.0);
@@ -140,9 +145,9 @@ mod tests {
     #[test]
     fn of_a_table_the_normal_flights_say_whether_commands_follow() {
         for power in [0.0, 1.0] {
-            let normal = [10.0, 10.5, 11.0, 11.5, 12.0].map(|battery_v| flight(battery_v, power, None));
-            let suspect = flight(10.2, power, None);
-            let at = AtVoltage::of(&normal, &suspect, BetweenFlights::Untouched).unwrap();
+            let normal = [10.0, 10.5, 11.0, 11.5, 12.0].map(|battery_v| flight(battery_v, power, false));
+            let suspect = flight(10.2, power, false);
+            let at = held(&normal, &suspect, BetweenFlights::Untouched).unwrap();
             // the usual difference between flights, 0.67 % of the command, over these voltages' spread of 14 %
             assert!((at.follows.value - power).abs() < 0.02 && at.follows.std < 0.06, "{power}: {at:?}");
         }
@@ -150,8 +155,8 @@ mod tests {
 
     #[test]
     fn what_one_flight_leaves_open_counts() {
-        let normal = [flight(11.0, 1.0, None)];
-        let at = AtVoltage::of(&normal, &flight(12.1, 1.0, None), BetweenFlights::Serviced).unwrap();
+        let normal = [flight(11.0, 1.0, false)];
+        let at = held(&normal, &flight(12.1, 1.0, false), BetweenFlights::Serviced).unwrap();
         assert_eq!((at.follows.value, at.follows.std), (OF_ANY.value, OF_ANY.std));
         let std = at.std_of(NumberOf::Collective, 0.6);
         assert!((std - 0.6 * 0.5 * libm::log(1.1)).abs() < 1e-12, "{std}");
@@ -160,10 +165,10 @@ mod tests {
 
     #[test]
     fn nothing_is_held_where_a_voltage_is_missing_or_the_flight_is_one() {
-        let normal = [11.0, 11.5].map(|battery_v| flight(battery_v, 1.0, None));
+        let normal = [11.0, 11.5].map(|battery_v| flight(battery_v, 1.0, false));
         let without = FlightNumbers { supply: None, ..normal[0].clone() };
         assert_eq!(held_at(12.0, &[without, normal[1].clone()]), None);
-        assert_eq!(AtVoltage::of(&normal, &normal[1], BetweenFlights::SameFlight), None);
-        assert!(Supply::of(0.0, Some("PX4")).is_none());
+        assert_eq!(held(&normal, &normal[1], BetweenFlights::SameFlight), None);
+        assert!(Supply::of(0.0, true).is_none());
     }
 }

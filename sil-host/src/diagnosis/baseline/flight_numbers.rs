@@ -21,6 +21,8 @@ pub struct FlightNumbers {
     pub(super) supply: Option<Supply>,
     /// True where the trims are known as changes of single motors' commands.
     pub(super) knows_motors: bool,
+    /// True where its trims and its collective balance weight and moments.
+    pub(super) is_steady: bool,
 }
 
 impl FlightNumbers {
@@ -29,7 +31,7 @@ impl FlightNumbers {
     /// # Errors
     /// The log has no window, or no commands for its rig.
     pub fn of(log: &Log, subject: &Subject<'_>) -> Result<FlightNumbers, NotPredictable> {
-        FlightNumbers::with(log, subject, around_median, |numbers| {
+        let mut flight = FlightNumbers::with(log, subject, around_median, |numbers| {
             let mut all = of_sensors(&figures(log));
             for number in base_numbers(log, subject)? {
                 match all.iter_mut().find(|other| other.of == number.of) {
@@ -40,7 +42,11 @@ impl FlightNumbers {
             }
             numbers.extend(all);
             Ok(())
-        })
+        })?;
+        if !flight.is_steady && !subject.is_held() {
+            flight.numbers.retain(|number| !matches!(number.of, NumberOf::Trim(_) | NumberOf::Collective));
+        }
+        Ok(flight)
     }
 
     /// The numbers of a record that is compared with another one of the same flight: those of regressions, whose
@@ -49,12 +55,14 @@ impl FlightNumbers {
     /// # Errors
     /// The log has no window.
     pub(super) fn of_record(log: &Log, subject: &Subject<'_>) -> Result<FlightNumbers, NotPredictable> {
-        FlightNumbers::with(log, subject, mean_of_record, |numbers| {
+        let flight = FlightNumbers::with(log, subject, mean_of_record, |numbers| {
             let figures = figures_of_record(log);
             numbers.extend(of_sensors(&figures));
             numbers.extend(of_motion(figures));
             Ok(())
-        })
+        })?;
+        // the same commands are in both records
+        Ok(FlightNumbers { is_steady: true, ..flight })
     }
 
     fn with(
@@ -73,8 +81,9 @@ impl FlightNumbers {
             supply: steady
                 .battery_v
                 .filter(|_| !subject.is_held())
-                .and_then(|battery_v| Supply::of(battery_v, log.flight_controller.as_deref())),
+                .and_then(|battery_v| Supply::of(battery_v, log.has_outputs())),
             knows_motors: steady.knows_motors,
+            is_steady: steady.is_steady,
         })
     }
 

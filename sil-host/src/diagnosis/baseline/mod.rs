@@ -105,6 +105,16 @@ pub fn diagnose_against(
     compare_flights(&numbers((normal.len(), log))?, &flights, subject, given)
 }
 
+/// The normal flights that serve: where the one in question is steady, those that are too, if there are any. And the
+/// logs whose commands stray too much.
+fn comparable<'f>(suspect: &FlightNumbers, flights: &'f [FlightNumbers]) -> (Vec<&'f FlightNumbers>, Vec<String>) {
+    let steady: Vec<&FlightNumbers> = flights.iter().filter(|flight| flight.is_steady).collect();
+    let not_steady = std::iter::once(suspect).chain(flights).filter(|flight| !flight.is_steady);
+    let not_steady = not_steady.map(|flight| flight.log.path.clone()).collect();
+    let serve = if suspect.is_steady && !steady.is_empty() { steady } else { flights.iter().collect() };
+    (serve, not_steady)
+}
+
 /// The same of flights whose numbers are there.
 ///
 /// # Errors
@@ -118,7 +128,8 @@ pub fn compare_flights(
     if flights.is_empty() {
         return Err(NotComparable::NoBaseline);
     }
-    let normal = Normal::of(flights, suspect, given.between);
+    let (flights, not_steady) = comparable(suspect, flights);
+    let normal = Normal::of(&flights, suspect, given.between);
     if normal.numbers.is_empty() {
         return Err(NotComparable::NothingInCommon { path: suspect.log.path.clone() });
     }
@@ -131,7 +142,7 @@ pub fn compare_flights(
         let held = normal.at_voltage.zip(flight.supply).zip(flight.collective);
         held.map(|((at, supply), own)| at.held(NumberOf::Collective, own, supply.battery_v)).or(flight.collective)
     };
-    let collectives: Option<Vec<f64>> = flights.iter().map(collective).collect();
+    let collectives: Option<Vec<f64>> = flights.iter().map(|flight| collective(flight)).collect();
     let departures = Departures {
         normal: &normal,
         by: normal.numbers.iter().map(|number| by(number.mean, number.of)).collect(),
@@ -162,6 +173,7 @@ pub fn compare_flights(
         usual_spread_as_flights: USUAL_FLIGHTS,
         degrees_of_freedom: normal.freedom,
         at_voltage: normal.at_voltage,
+        not_steady,
         numbers: compared.collect(),
         looks: choice.looks,
         chance: choice.chance,

@@ -83,7 +83,7 @@ pub(super) struct Normal {
 
 impl Normal {
     /// What the normal flights and the one in question both have.
-    pub(super) fn of(flights: &[FlightNumbers], suspect: &FlightNumbers, between: BetweenFlights) -> Normal {
+    pub(super) fn of(flights: &[&FlightNumbers], suspect: &FlightNumbers, between: BetweenFlights) -> Normal {
         let count = flights.len() as f64;
         let freedom = match between {
             BetweenFlights::SameFlight => stretches_beyond_one(flights, suspect).unwrap_or(USUAL_FLIGHTS),
@@ -93,7 +93,7 @@ impl Normal {
         let mut numbers = Vec::new();
         for number in &suspect.numbers {
             let normal: Vec<(&FlightNumbers, &Number)> =
-                flights.iter().filter_map(|flight| Some((flight, flight.get(number.of)?))).collect();
+                flights.iter().filter_map(|flight| Some((*flight, flight.get(number.of)?))).collect();
             if normal.is_empty() || normal.len() < flights.len() {
                 continue;
             }
@@ -144,7 +144,7 @@ fn of_one_flight(number: &Number, other: &Number, row_s: f64) -> Expected {
 }
 
 /// Degrees of freedom of differences between two records.
-fn stretches_beyond_one(flights: &[FlightNumbers], suspect: &FlightNumbers) -> Option<f64> {
+fn stretches_beyond_one(flights: &[&FlightNumbers], suspect: &FlightNumbers) -> Option<f64> {
     let of = |number: &Number| {
         let other = flights.first()?.get(number.of)?;
         Some(number.figure.as_ref()?.paired_with(other.figure.as_ref()?)?.1)

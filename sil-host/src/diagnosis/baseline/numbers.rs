@@ -88,8 +88,8 @@ impl NumberOf {
             NumberOf::InputGain(_) => (1.0, "rad/s²"),
             NumberOf::ThrustScale | NumberOf::GyroScale(_) => (1.0, ""),
             NumberOf::Lateness | NumberOf::AttitudeDelay => (1e3, "ms"),
-            NumberOf::GyroBias(_) => (1.0, "rad/s"),
-            NumberOf::GyroTurn | NumberOf::ImuTurn => (1.0, "rad"),
+            NumberOf::GyroBias(_) => (1.0_f64.to_degrees(), "deg/s"),
+            NumberOf::GyroTurn | NumberOf::ImuTurn => (1.0_f64.to_degrees(), "deg"),
         }
     }
 }

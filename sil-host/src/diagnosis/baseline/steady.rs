@@ -7,7 +7,7 @@ use crate::axis::Axis;
 use crate::diagnosis::Estimate;
 use crate::log::Log;
 use crate::log::sanity::Figure;
-use crate::prediction::window::windows;
+use crate::prediction::window::{Window, windows};
 use crate::prediction::{NotPredictable, Subject};
 use crate::statistics::median;
 use crate::vehicle::signed_sums;
@@ -23,6 +23,11 @@ const BLOCK: f64 = 4.0;
 /// which are half the motors' signed sum, as this project's.
 const PER_AXIS_COMMAND: f64 = 0.5;
 
+/// In a steady flight the mean command of all but a third of the windows is within a tenth of the median, and motors
+/// are steered in them: run-ups on the ground, idling, hops and acrobatics balance no weight.
+const STRAYS: f64 = 0.1;
+const STRAYING_MAX: f64 = 1.0 / 3.0;
+
 /// Steady commands of a flight.
 pub(super) struct Steady {
     /// Trims and collective, of vehicles that no rig holds.
@@ -30,6 +35,8 @@ pub(super) struct Steady {
     pub(super) collective: Option<f64>,
     pub(super) battery_v: Option<f64>,
     pub(super) knows_motors: bool,
+    /// False where the mean command strays too much for any of them to balance weight and moments.
+    pub(super) is_steady: bool,
 }
 
 /// What stands for all windows' mean commands.
@@ -48,11 +55,19 @@ pub(super) struct Centred {
 /// The log has no window.
 pub(super) fn steady(log: &Log, subject: &Subject<'_>, centre: Centre) -> Result<Steady, NotPredictable> {
     let windows = windows(log)?;
-    let centre_of = |command: &dyn Fn(usize) -> f64| -> Centred {
+    let means_of = |command: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let mean = |start: usize, end: usize| (start..end).map(command).sum::<f64>() / (end - start).max(1) as f64;
-        centre(windows.iter().map(|window| mean(window.start, window.end)).collect())
+        windows.iter().map(|window| mean(window.start, window.end)).collect()
     };
+    let centre_of = |command: &dyn Fn(usize) -> f64| -> Centred { centre(means_of(command)) };
     let motors = log.motors();
+    let stands = |window: &Window| {
+        let is_one =
+            |motor: &[f64]| motor[window.start..window.end].iter().all(|command| *command == motor[window.start]);
+        motors.is_some_and(|motors| motors.into_iter().all(is_one))
+    };
+    let standing: Vec<bool> = windows.iter().map(stands).collect();
+    let is_steady = log.collective().is_none_or(|collective| is_steady(&means_of(&|row| collective[row]), &standing));
     let collective = log.collective().map(|collective| centre_of(&|row| collective[row]));
     let trim = |axis: Axis| match (motors, &log.axis_command[axis.index()]) {
         (Some(motors), _) => Some(centre_of(&|row| 0.25 * signed_sums(motors.map(|motor| motor[row]))[axis.index()])),
@@ -75,7 +90,16 @@ pub(super) fn steady(log: &Log, subject: &Subject<'_>, centre: Centre) -> Result
         collective: collective.map(|of| of.own.value),
         battery_v: log.battery_v.as_ref().map(|battery_v| centre_of(&|row| battery_v[row]).own.value),
         knows_motors: motors.is_some() || log.motor_per_axis_command.is_some(),
+        is_steady,
     })
+}
+
+/// By the mean command of each window, and whether the motors' commands stand in it.
+fn is_steady(collective: &[f64], standing: &[bool]) -> bool {
+    let usual = median(collective.to_vec());
+    let strays = |(command, stands): (&f64, &bool)| *stands || (command - usual).abs() > STRAYS * usual;
+    let straying = collective.iter().zip(standing).filter(|window| strays(*window)).count();
+    straying as f64 <= STRAYING_MAX * collective.len() as f64
 }
 
 /// Mean command of the motors in steady flight; `None` for a log that has none.
@@ -116,7 +140,7 @@ mod tests {
     use crate::sensors::random::RandomStream;
 
     /// 12 s at 100 Hz of one command: on the ground at 0.1 for the first two seconds, then 0.6 with noise.
-    fn log(command: impl Fn(&mut RandomStream) -> [f64; 4], seed: u64) -> Log {
+    fn log(mut command: impl FnMut(&mut RandomStream) -> [f64; 4], seed: u64) -> Log {
         let mut random = RandomStream::new(seed, "commands");
         let rows: Vec<[f64; 4]> =
             (0..1200).map(|row| if row < 200 { [0.1; 4] } else { command(&mut random) }).collect();
@@ -140,6 +164,25 @@ mod tests {
             assert!((value - expected).abs() < 4.0 * std && std < 2e-3, "{number:?}");
         }
         assert!(steady.knows_motors);
+    }
+
+    #[test]
+    fn run_ups_on_the_ground_are_no_steady_flight() {
+        let hover = log(|random| [0.6 + 0.03 * random.normal(); 4], 3);
+        assert!(steady(&hover, &Subject::Axes, around_median).unwrap().is_steady);
+        // throttle up and down again, as before a flight
+        let mut row = 0.0;
+        let run_ups = log(
+            |_| {
+                row += 1.0;
+                [0.35 + 0.15 * libm::sin(0.02 * row); 4]
+            },
+            4,
+        );
+        let steady = steady(&run_ups, &Subject::Axes, around_median).unwrap();
+        assert!(!steady.is_steady, "{:?}", steady.numbers);
+        let idle = log(|_| [0.185; 4], 5);
+        assert!(!super::steady(&idle, &Subject::Axes, around_median).unwrap().is_steady);
     }
 
     #[test]

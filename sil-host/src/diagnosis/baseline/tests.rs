@@ -22,6 +22,7 @@ fn flight(name: &str, motors: [f64; 4]) -> FlightNumbers {
         collective: Some(collective),
         supply: None,
         knows_motors: true,
+        is_steady: true,
     }
 }
 
@@ -139,7 +140,7 @@ fn at_voltage(flight: FlightNumbers, battery_v: f64) -> FlightNumbers {
     FlightNumbers {
         numbers: flight.numbers.iter().map(held).collect(),
         collective: flight.collective.map(|collective| lower * collective),
-        supply: Supply::of(battery_v, Some("ArduPilot 4.3.2")),
+        supply: Supply::of(battery_v, true),
         ..flight
     }
 }

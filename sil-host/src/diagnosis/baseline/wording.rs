@@ -225,8 +225,8 @@ impl Wording<'_> {
             let (factor, unit) = numbers[place].of.shown();
             let shown = |value: f64| format!("{:+.1} {unit}", factor * value);
             text = format!(
-                "{} and {} differ most in the {}: {} against {}; here it differs by {}, and normal flights differ by \
-                 {:.1} {unit}. ",
+                "Between {} and {} the {} tells most: {} against {}; here it differs by {}, and normal flights differ \
+                 by {:.1} {unit}. ",
                 best.cause.effect(),
                 rival.cause.effect(),
                 numbers[place].of,

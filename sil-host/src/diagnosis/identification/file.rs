@@ -92,6 +92,9 @@ impl Identification {
                 format!("{of_scale}; {}; the bend is the effect thrust_curve", self.said("lift_at_no_command"))
             }
             ("[propulsion]", "reaction_torque_per_lift_m") => "by yaw's effectiveness and izz_kg_m2".to_owned(),
+            ("[propulsion]", "battery_v") => {
+                "median of the log, or the highest of several; at another one commands act by that ratio".to_owned()
+            }
             ("[noise]", "gyro_rad_s" | "attitude_rad") => "the white part of the log's own".to_owned(),
             ("[noise]", "accel_m_s2") => "assumed".to_owned(),
             _ => return None,

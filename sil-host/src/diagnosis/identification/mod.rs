@@ -1,7 +1,8 @@
 //! A vehicle's model from its logs: what the diagnosis calls the base model, made a file.
 //!
 //! ```text
-//! logs -> one log (Log::joined) -> start: angular accelerations per command (log::sanity), weight against hover
+//! logs -> commands at one battery voltage (log::supply) -> one log (Log::joined)
+//!      -> start: angular accelerations per command (log::sanity), weight against hover
 //!      -> rough fit from several lags and delays -> folded into the model's own numbers
 //!      -> fit in the noise of all that the model does not know, on the windows that are not the report's
 //!      -> numbers with intervals (numbers) -> model file (file)
@@ -115,10 +116,13 @@ pub fn identify_observed(
     scale: KnownScale,
     observer: Observer<'_>,
 ) -> Result<Identification, NotIdentified> {
-    let joined = Log::joined(logs)?;
+    let one_voltage = Log::at_one_voltage(logs);
+    let (battery_v, held) =
+        one_voltage.as_ref().map_or((None, logs), |(battery_v, held)| (Some(*battery_v), &held[..]));
+    let joined = Log::joined(held)?;
     let thinned = joined.thinned();
     let log = thinned.as_ref().unwrap_or(&joined);
-    let start = start::vehicle(log, scale)?;
+    let start = start::vehicle(log, scale, battery_v)?;
     let rough = fitting::rough(log, &start, observer)?;
     let Fine { model, numbers, gains: [roll, pitch, _] } = fitting::fine(log, &rough, observer)?;
     if numbers.iter().filter(|number| number.is_of_tilt()).all(|number| number.to_fly.is_some()) {

@@ -23,8 +23,8 @@ const YAW_ANSWER: f64 = 0.08;
 /// Motors of a free vehicle hover within these commands; else the log's part in the air was not found.
 const HOVER: [f64; 2] = [0.05, 0.98];
 
-/// A free vehicle whose motors are all alike, lift in proportion to the command.
-pub(super) fn vehicle(log: &Log, scale: KnownScale) -> Result<VehicleModel, NotIdentified> {
+/// A free vehicle whose motors are all alike, lift in proportion to the command at this battery voltage.
+pub(super) fn vehicle(log: &Log, scale: KnownScale, battery_v: Option<f64>) -> Result<VehicleModel, NotIdentified> {
     if log.motors().is_none() {
         return Err(NotIdentified::NoMotors);
     }
@@ -54,6 +54,7 @@ pub(super) fn vehicle(log: &Log, scale: KnownScale) -> Result<VehicleModel, NotI
             lift_offset_n: 0.0,
             lift_slope_n,
             reaction_torque_per_lift_m: yaw * izz / lift_slope_n,
+            battery_v,
         }),
         arms: None,
         noise: noise(log),

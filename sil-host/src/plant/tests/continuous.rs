@@ -66,8 +66,12 @@ fn a_foreign_integrator_finds_the_same_motion() {
 fn between_two_stops_the_plant_can_be_seen_without_stopping() {
     let mut model = VehicleModel::generic(Rig::Gimbal);
     model.effects.push(Effect::parse_for("motor_lag:time_constant_s=0.03", Rig::Gimbal, model.inertia_kg_m2).unwrap());
-    model.propulsion =
-        Propulsion::Box(FlyingBox { lift_offset_n: 0.0, lift_slope_n: 4.0, reaction_torque_per_lift_m: 0.02 });
+    model.propulsion = Propulsion::Box(FlyingBox {
+        lift_offset_n: 0.0,
+        lift_slope_n: 4.0,
+        reaction_torque_per_lift_m: 0.02,
+        battery_v: None,
+    });
     let mut plant = Plant::new(&model);
     plant.set_commands([1.0; 4]);
     // by hand: the lag's exponential from the base command on, times the slope

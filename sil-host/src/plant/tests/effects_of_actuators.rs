@@ -10,8 +10,12 @@ const LEVER_M: f64 = 0.226 * core::f64::consts::FRAC_1_SQRT_2;
 /// A vehicle whose lift is two newton times the command, without lag of its own.
 fn linear(rig: Rig) -> VehicleModel {
     let mut model = VehicleModel::nominal(rig);
-    model.propulsion =
-        Propulsion::Box(FlyingBox { lift_offset_n: 0.0, lift_slope_n: 2.0, reaction_torque_per_lift_m: 0.05 });
+    model.propulsion = Propulsion::Box(FlyingBox {
+        lift_offset_n: 0.0,
+        lift_slope_n: 2.0,
+        reaction_torque_per_lift_m: 0.05,
+        battery_v: None,
+    });
     model
 }
 

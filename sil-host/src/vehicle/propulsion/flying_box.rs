@@ -11,6 +11,8 @@ pub struct FlyingBox {
     pub lift_slope_n: f64,
     /// Reaction torque over lift, m; negative where all rotors turn the other way than in docs/rig.md.
     pub reaction_torque_per_lift_m: f64,
+    /// Battery voltage at which it lifts so, V; `None` where nobody said.
+    pub battery_v: Option<f64>,
 }
 
 impl FlyingBox {
@@ -21,6 +23,14 @@ impl FlyingBox {
         Self { lift_offset_n: share * lift_n, lift_slope_n, ..*self }
     }
 
+    /// The same at another battery voltage, and the old one over it; `None` where its own is not known. Lift goes with
+    /// command times voltage, so that a command larger by that share lifts as before.
+    pub(crate) fn at_voltage(&self, battery_v: f64) -> Option<(Self, f64)> {
+        let lower = self.battery_v? / battery_v;
+        let lift_slope_n = self.lift_slope_n / lower;
+        Some((Self { lift_slope_n, battery_v: Some(battery_v), ..*self }, lower))
+    }
+
     pub(super) fn lift_n(&self, command: f64) -> f64 {
         (self.lift_offset_n + self.lift_slope_n * command).max(0.0)
     }
@@ -29,10 +39,12 @@ impl FlyingBox {
         let offset = admissible(-100.0, 100.0, "the lift line's value at command 0 in newton");
         let slope = admissible(1e-3, 500.0, "the lift per unit of command in newton");
         let ratio = admissible(-1.0, 1.0, "reaction torque over lift in metres");
+        let battery = admissible(1.0, 100.0, "the battery's voltage at which it lifts so in volt");
         Ok(Self {
             lift_offset_n: section.number("lift_offset_n", offset)?,
             lift_slope_n: section.number("lift_slope_n", slope)?,
             reaction_torque_per_lift_m: section.number("reaction_torque_per_lift_m", ratio)?,
+            battery_v: section.optional_number("battery_v", battery)?,
         })
     }
 
@@ -40,5 +52,8 @@ impl FlyingBox {
         table.number("lift_offset_n", self.lift_offset_n);
         table.number("lift_slope_n", self.lift_slope_n);
         table.number("reaction_torque_per_lift_m", self.reaction_torque_per_lift_m);
+        if let Some(battery_v) = self.battery_v {
+            table.number("battery_v", battery_v);
+        }
     }
 }
