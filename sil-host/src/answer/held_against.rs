@@ -196,7 +196,8 @@ fn chosen_without_identifying(
     if said.model.is_some() || said.rig.is_some() || said.controller.is_some() {
         let vehicle = vehicle(log, said, wants_vehicle)?;
         let at_voltage = vehicle.as_ref().zip(log.supplied_v()).and_then(|(model, own_v)| model.at_voltage(own_v));
-        let voltage = at_voltage.as_ref().zip(log.supplied_v()).map(|((_, of_v), own_v)| voltage_said(*of_v, own_v));
+        let voltage =
+            at_voltage.as_ref().zip(log.supplied_v()).and_then(|((_, of_v), own_v)| voltage_said(*of_v, own_v));
         let vehicle = at_voltage.map(|(model, _)| model).or(vehicle);
         let against = vehicle.as_ref().and_then(|model| mismatch(log, model));
         let against = against.map(|why| format!("MISMATCH: {why}. What follows is about the difference."));
@@ -230,13 +231,18 @@ fn chosen_without_identifying(
     Ok(None)
 }
 
-/// At which voltage a model is taken.
-fn voltage_said(of_v: f64, own_v: f64) -> String {
-    format!(
-        "The model was identified at {of_v:.2} V. This log's battery has {own_v:.2} V, and its commands are taken as \
-         {:.2} times as strong.",
-        own_v / of_v
-    )
+/// Voltages that differ by less are told as one, as a share.
+const ONE_VOLTAGE: f64 = 0.005;
+
+/// At which voltage a model is taken, where that is another one than its own.
+fn voltage_said(of_v: f64, own_v: f64) -> Option<String> {
+    let stronger = own_v / of_v;
+    ((stronger - 1.0).abs() >= ONE_VOLTAGE).then(|| {
+        format!(
+            "The model was identified at {of_v:.2} V. This log's battery has {own_v:.2} V, and its commands are taken \
+             as {stronger:.2} times as strong."
+        )
+    })
 }
 
 /// The vehicle that these flights show, or separate axes with the reason.
@@ -362,6 +368,8 @@ mod tests {
         let (weaker, told) = of(&hover(10.0, Some("PX4")));
         assert!((weaker - 10.0 / 12.0).abs() < 1e-12, "{weaker}");
         assert!(told.contains("12.00 V") && told.contains("10.00 V") && told.contains("0.83 times"), "{told}");
+        let (same, told) = of(&hover(12.01, Some("PX4")));
+        assert!(same > 1.0 && told.is_empty(), "{same} {told}");
         // of a table nobody knows whether its commands are shares of the voltage
         assert_eq!(of(&hover(10.0, None)), (1.0, String::new()));
     }
