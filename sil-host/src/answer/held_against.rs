@@ -195,10 +195,7 @@ fn chosen_without_identifying(
     // nothing is to be guessed
     if said.model.is_some() || said.rig.is_some() || said.controller.is_some() {
         let vehicle = vehicle(log, said, wants_vehicle)?;
-        let at_voltage = vehicle.as_ref().zip(log.supplied_v()).and_then(|(model, own_v)| model.at_voltage(own_v));
-        let voltage =
-            at_voltage.as_ref().zip(log.supplied_v()).and_then(|((_, of_v), own_v)| voltage_said(*of_v, own_v));
-        let vehicle = at_voltage.map(|(model, _)| model).or(vehicle);
+        let (vehicle, voltage) = at_own_voltage(log, vehicle);
         let against = vehicle.as_ref().and_then(|model| mismatch(log, model));
         let against = against.map(|why| format!("MISMATCH: {why}. What follows is about the difference."));
         let said = against.into_iter().chain(voltage).collect::<Vec<_>>().join(" ");
@@ -233,6 +230,15 @@ fn chosen_without_identifying(
 
 /// Voltages that differ by less are told as one, as a share.
 const ONE_VOLTAGE: f64 = 0.005;
+
+/// The model at the voltage of the log, where both say one, and what is to be said of that.
+fn at_own_voltage(log: &Log, vehicle: Option<VehicleModel>) -> (Option<VehicleModel>, Option<String>) {
+    let own_v = log.supplied_v();
+    match vehicle.as_ref().zip(own_v).and_then(|(model, own_v)| Some((model.at_voltage(own_v)?, own_v))) {
+        Some(((model, of_v), own_v)) => (Some(model), voltage_said(of_v, own_v)),
+        None => (vehicle, None),
+    }
+}
 
 /// At which voltage a model is taken, where that is another one than its own.
 fn voltage_said(of_v: f64, own_v: f64) -> Option<String> {

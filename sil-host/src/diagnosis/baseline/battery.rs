@@ -82,7 +82,7 @@ impl AtVoltage {
 
     /// A number of a flight at another voltage, as it would be at this one.
     pub(super) fn held(&self, of: NumberOf, value: f64, battery_v: f64) -> f64 {
-        value * (self.battery_v / battery_v).powf(power(of) * self.follows.value)
+        value * libm::pow(self.battery_v / battery_v, power(of) * self.follows.value)
     }
 
     /// What remains unknown of the mean of the normal flights.

@@ -1,11 +1,11 @@
 //! The numbers of one flight, from what its log shows of steady flight, sensors, motion and base model.
 
 use super::base_numbers::base_numbers;
-use super::battery::Supply;
+use super::battery::{AtVoltage, Supply};
 use super::numbers::{Number, NumberOf};
 use super::steady::{Centre, around_median, mean_of_record, steady};
 use crate::axis::Axis;
-use crate::diagnosis::LogSummary;
+use crate::diagnosis::{Estimate, LogSummary};
 use crate::log::Log;
 use crate::log::sanity::{Figures, figures, figures_of_record};
 use crate::prediction::{NotPredictable, Subject};
@@ -85,6 +85,12 @@ impl FlightNumbers {
             knows_motors: steady.knows_motors,
             is_steady: steady.is_steady,
         })
+    }
+
+    /// A number of it as it would be at the voltage of another flight, where both are known.
+    pub(super) fn held(&self, of: NumberOf, own: Estimate, at_voltage: Option<AtVoltage>) -> Estimate {
+        let held = at_voltage.zip(self.supply).map(|(at, supply)| at.held(of, own.value, supply.battery_v));
+        Estimate { value: held.unwrap_or(own.value), ..own }
     }
 
     pub(super) fn get(&self, of: NumberOf) -> Option<&Number> {

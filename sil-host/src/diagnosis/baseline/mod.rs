@@ -29,7 +29,7 @@ mod tests;
 
 use super::known::Known;
 use super::progress::{Observer, Progress};
-use super::{Subject, Verdict};
+use super::{Estimate, Subject, Verdict};
 use crate::log::Log;
 use crate::prediction::NotPredictable;
 pub use answer::{Baseline, BaselineDiagnosis, Compared, Difference};
@@ -138,11 +138,11 @@ pub fn compare_flights(
         Subject::Vehicle(model) => model.propulsion.lift_n(command.min(1.0)),
         Subject::Axes | Subject::Bench(_) => PROPORTIONAL(command),
     };
-    let collective = |flight: &FlightNumbers| {
-        let held = normal.at_voltage.zip(flight.supply).zip(flight.collective);
-        held.map(|((at, supply), own)| at.held(NumberOf::Collective, own, supply.battery_v)).or(flight.collective)
+    let collective = |flight: &&FlightNumbers| {
+        let own = Estimate { value: flight.collective?, std: 0.0 };
+        Some(flight.held(NumberOf::Collective, own, normal.at_voltage).value)
     };
-    let collectives: Option<Vec<f64>> = flights.iter().map(|flight| collective(flight)).collect();
+    let collectives: Option<Vec<f64>> = flights.iter().map(collective).collect();
     let departures = Departures {
         normal: &normal,
         by: normal.numbers.iter().map(|number| by(number.mean, number.of)).collect(),

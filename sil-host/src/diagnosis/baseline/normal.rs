@@ -102,7 +102,7 @@ impl Normal {
                 continue;
             }
             let normal: Vec<Estimate> =
-                normal.iter().map(|(flight, number)| held(at_voltage.as_ref(), flight, number)).collect();
+                normal.iter().map(|(flight, number)| flight.held(number.of, number.own, at_voltage)).collect();
             let mean = normal.iter().map(|own| own.value).sum::<f64>() / count;
             let squares: f64 = normal.iter().map(|own| (own.value - mean) * (own.value - mean)).sum();
             let within = normal.iter().map(|own| own.std * own.std).sum::<f64>() / count;
@@ -125,12 +125,6 @@ impl Normal {
     pub(super) fn mean(&self, of: NumberOf) -> Option<f64> {
         self.numbers.iter().find(|number| number.of == of).map(|number| number.mean)
     }
-}
-
-/// A normal flight's number as it would be at the voltage of the flight in question.
-fn held(at_voltage: Option<&AtVoltage>, flight: &FlightNumbers, number: &Number) -> Estimate {
-    let held = at_voltage.zip(flight.supply).map(|(at, supply)| at.held(number.of, number.own.value, supply.battery_v));
-    Estimate { value: held.unwrap_or(number.own.value), ..number.own }
 }
 
 /// A number of one of two records, and where that of the other is expected. When within its row a command began is
