@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use crate::axis::Axis;
-use crate::diagnosis::fitting::hints::missing_acceleration;
+use crate::diagnosis::fitting::hints::missing_accelerations;
 use crate::prediction::Channel;
 use crate::prediction::windowed_log::{Driven, WindowedLog};
 use crate::statistics::{Bin, ConditionalError, amplitude_spectrum};
@@ -72,9 +72,10 @@ pub(in crate::diagnosis) fn conditions(
     throttle: Option<&[f64]>,
 ) -> (Vec<Condition>, Vec<Spectrum>) {
     let (mut conditions, mut spectra) = (Vec::new(), Vec::new());
+    let missing = models.map(|driven| missing_accelerations(log, driven, STRETCH_S));
     for axis in Axis::ALL.into_iter().filter(|axis| log.turns(*axis)) {
-        let series = models.map(|driven| {
-            let intervals = missing_acceleration(log, driven, axis, STRETCH_S)?;
+        let series = missing.each_ref().map(|of_axes| {
+            let intervals = of_axes[axis.index()].as_ref()?;
             Some(intervals.iter().map(|at| (at.time_s, at.acceleration_rad_s2.to_degrees())).collect::<Vec<_>>())
         });
         let [Some(nominal), Some(extended)] = series else { continue };

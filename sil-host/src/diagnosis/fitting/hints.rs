@@ -32,14 +32,15 @@ enum Before {
 
 /// What a log shows of oscillations and onsets beyond a model.
 pub(in crate::diagnosis) fn hints(log: &WindowedLog<'_>, driven: &Driven) -> Hints {
-    let of_axis = |axis: Axis| {
-        let series = missing_acceleration(log, driven, axis, STRETCH_S)?;
+    let missing = missing_accelerations(log, driven, STRETCH_S);
+    let of_axis = |series: &Option<Vec<Interval>>| {
+        let series = series.as_ref()?;
         let mut starts_s: Vec<f64> =
-            [Before::Nothing, Before::Constant].into_iter().filter_map(|before| onset_s(&series, before)).collect();
+            [Before::Nothing, Before::Constant].into_iter().filter_map(|before| onset_s(series, before)).collect();
         starts_s.dedup_by(|a, b| (*a - *b).abs() < SAME_ONSET_S);
-        Some((strongest_frequency_hz(&series), starts_s))
+        Some((strongest_frequency_hz(series), starts_s))
     };
-    let seen: Vec<_> = Axis::ALL.into_par_iter().with_max_len(1).map(of_axis).collect();
+    let seen: Vec<_> = missing.par_iter().with_max_len(1).map(of_axis).collect();
     let mut hints = Hints { command_range: command_range(log), ..Hints::default() };
     for (axis, (frequency_hz, starts_s)) in seen.into_iter().enumerate().filter_map(|(axis, seen)| Some((axis, seen?)))
     {
@@ -56,30 +57,46 @@ pub(in crate::diagnosis) struct Interval {
     pub(in crate::diagnosis) acceleration_rad_s2: f64,
 }
 
-/// Rates about an axis are measured and predicted from a row's measured state to the row a stretch later; `None` of one
+/// Rates are measured and predicted from a row's measured state to the row a stretch later, axis by axis; `None` of one
 /// without a rate.
-pub(in crate::diagnosis) fn missing_acceleration(
+pub(in crate::diagnosis) fn missing_accelerations(
     log: &WindowedLog<'_>,
     driven: &Driven,
-    axis: Axis,
     stretch_s: f64,
-) -> Option<Vec<Interval>> {
-    let measured = log.measured(Channel::Rate(axis))?;
-    let mut intervals = Vec::new();
+) -> [Option<Vec<Interval>>; 3] {
+    let measured = Axis::ALL.map(|axis| log.measured(Channel::Rate(axis)));
+    if measured == [None; 3] {
+        return [const { None }; 3];
+    }
+    let stretches = stretches_of(log, stretch_s);
+    // one prediction serves all axes
+    let predicted: Vec<[f64; 3]> =
+        stretches.par_iter().map(|(row, next)| later_rates(log, driven, *row, *next)).collect();
+    Axis::ALL.map(|axis| {
+        let measured = measured[axis.index()]?;
+        let interval = |((row, next), predicted): (&(usize, usize), &[f64; 3])| {
+            let (from_s, to_s) = (log.rows()[*row], log.rows()[*next]);
+            Interval {
+                time_s: 0.5 * (from_s + to_s),
+                duration_s: to_s - from_s,
+                acceleration_rad_s2: (measured[*next] - predicted[axis.index()]) / (to_s - from_s),
+            }
+        };
+        Some(stretches.iter().zip(&predicted).map(interval).collect())
+    })
+}
+
+/// Rows, one stretch of time behind the other, each with the row that ends it.
+fn stretches_of(log: &WindowedLog<'_>, stretch_s: f64) -> Vec<(usize, usize)> {
+    let mut stretches = Vec::new();
     for (first, end) in log.stretches() {
         let mut row = first;
         while let Some(next) = (row + 1..end).find(|next| log.rows()[*next] - log.rows()[row] > stretch_s) {
-            let (from_s, to_s) = (log.rows()[row], log.rows()[next]);
-            let predicted = later_rate(log, driven, row, next, axis);
-            intervals.push(Interval {
-                time_s: 0.5 * (from_s + to_s),
-                duration_s: to_s - from_s,
-                acceleration_rad_s2: (measured[next] - predicted) / (to_s - from_s),
-            });
+            stretches.push((row, next));
             row = next;
         }
     }
-    Some(intervals)
+    stretches
 }
 
 /// The frequency with the largest share above the noise, which in differences of a rate grows with `sin^2(pi f dt)`.
@@ -182,10 +199,11 @@ fn squares_left(points: &[(f64, f64)], before: Before, start_s: f64) -> f64 {
     if aa > 0.0 { yy - ya * ya / aa } else { yy }
 }
 
-/// Rate of an axis (of the body) that the model predicts for a later row from the state measured in `row`.
-fn later_rate(log: &WindowedLog<'_>, driven: &Driven, row: usize, later: usize, axis: Axis) -> f64 {
+/// Rates of the body that the model predicts for a later row from the state measured in `row`.
+fn later_rates(log: &WindowedLog<'_>, driven: &Driven, row: usize, later: usize) -> [f64; 3] {
     let start = log.measured_state(&driven.model, row);
-    driven.model.predict(&log.scene(driven), &start, row, later + 1).at(later - row, Channel::Rate(axis))
+    let reports = driven.model.predict(&log.scene(driven), &start, row, later + 1);
+    Axis::ALL.map(|axis| reports.at(later - row, Channel::Rate(axis)))
 }
 
 /// Commands between which 96 % of all lie.
