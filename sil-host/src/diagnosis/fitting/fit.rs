@@ -57,11 +57,6 @@ impl<'e> Fit<'e> {
         self.terms.iter().map(|term| term.values.len()).sum()
     }
 
-    /// All parameters, one behind the other.
-    pub(super) fn values(&self) -> Vec<f64> {
-        self.terms.iter().flat_map(|term| term.values.iter().copied()).collect()
-    }
-
     /// The same fit to those windows with what leaving out parts of them says of its numbers.
     pub(in crate::diagnosis) fn with_parts_left_out(
         mut self,
@@ -204,10 +199,45 @@ pub(in crate::diagnosis) fn fit_from<'e>(
     training: &[usize],
     to_reach: f64,
 ) -> Fit<'e> {
+    let last = match end_from(shooting, nominal, first, training, to_reach) {
+        End::Linearised(round) => round,
+        End::Moved(attempt) => attempt.round(shooting, nominal, training),
+    };
+    last.result(shooting, training)
+}
+
+/// The numbers alone of the same, not how sure they are.
+pub(super) fn values_from(
+    shooting: &Shooting<'_>,
+    nominal: Nominal<'_>,
+    first: Round<'_>,
+    training: &[usize],
+) -> Vec<f64> {
+    match end_from(shooting, nominal, first, training, f64::INFINITY) {
+        End::Linearised(round) => all_values(&round.terms),
+        End::Moved(attempt) => all_values(&attempt.terms),
+    }
+}
+
+/// Where a fit ends.
+enum End<'e> {
+    /// Where its slopes are known.
+    Linearised(Round<'e>),
+    /// A last step further: slopes there say how sure its numbers are, and move none.
+    Moved(Attempt<'e>),
+}
+
+fn end_from<'e>(
+    shooting: &Shooting<'_>,
+    nominal: Nominal<'_>,
+    first: Round<'e>,
+    training: &[usize],
+    to_reach: f64,
+) -> End<'e> {
     let mut best = first;
     let mut damping = 1e-4;
     let mut failures = 0;
-    for _ in 0..ROUNDS_MAX {
+    for round in 1..=ROUNDS_MAX {
         let Some(BoundedStep { by: step, promised }) = best.step(damping) else { break };
         let least = IMPROVEMENT_MIN * spread(best.normal.chi2, shooting, training);
         if promised < least || best.normal.chi2 - OVERSHOT * promised > to_reach {
@@ -219,13 +249,12 @@ pub(in crate::diagnosis) fn fit_from<'e>(
         shooting.move_starts(&best.linear, &made, training, &mut starts);
         let next = Attempt::at(shooting, nominal, terms, starts, training, Some(&best));
         if next.chi2 < best.normal.chi2 {
-            let gained = best.normal.chi2 - next.chi2;
+            if best.normal.chi2 - next.chi2 < least || round == ROUNDS_MAX {
+                return End::Moved(next);
+            }
             best = next.round(shooting, nominal, training);
             damping = (damping * 0.1).max(1e-9);
             failures = 0;
-            if gained < least {
-                break;
-            }
         } else {
             damping = (damping * 30.0).max(1e-4);
             failures += 1;
@@ -234,7 +263,7 @@ pub(in crate::diagnosis) fn fit_from<'e>(
             }
         }
     }
-    best.result(shooting, training)
+    End::Linearised(best)
 }
 
 /// Mean square that is left per degree of freedom, in units of the noise; never less than that of noise alone.
@@ -288,6 +317,10 @@ pub(in crate::diagnosis) fn moved<'e>(terms: &[Term<'e>], step: &[f64]) -> Vec<T
 }
 
 fn difference(from: &[Term<'_>], to: &[Term<'_>]) -> Vec<f64> {
-    let values = |terms: &[Term<'_>]| -> Vec<f64> { terms.iter().flat_map(|term| term.values.clone()).collect() };
-    values(to).iter().zip(values(from)).map(|(to, from)| to - from).collect()
+    all_values(to).iter().zip(all_values(from)).map(|(to, from)| to - from).collect()
+}
+
+/// All numbers of some terms, one behind the other.
+pub(super) fn all_values(terms: &[Term<'_>]) -> Vec<f64> {
+    terms.iter().flat_map(|term| term.values.iter().copied()).collect()
 }

@@ -8,7 +8,8 @@
 
 use rayon::prelude::*;
 
-use crate::diagnosis::fitting::fit::{Fit, Nominal, fit};
+use crate::diagnosis::fitting::fit::{Fit, Nominal, values_from};
+use crate::diagnosis::fitting::round::Round;
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::statistics::dot;
 
@@ -38,11 +39,13 @@ impl LeftOut {
             return LeftOut::default();
         }
         let parts = (windows.len() / WINDOWS_USUAL).clamp(PARTS_USUAL.min(windows.len()), PARTS_MAX);
+        // all of them begin at the same numbers and start states
+        let first = Round::first(shooting, nominal, found.terms.clone(), &found.starts, windows);
         let without = |part: usize| -> Vec<f64> {
             let is_in = |place: usize| place * parts / windows.len() != part;
             let others: Vec<usize> =
                 windows.iter().enumerate().filter(|(place, _)| is_in(*place)).map(|(_, window)| *window).collect();
-            fit(shooting, nominal, found.terms.clone(), &found.starts, &others).values()
+            values_from(shooting, nominal, first.only(is_in), &others)
         };
         LeftOut::from_values((0..parts).into_par_iter().with_max_len(1).map(without).collect())
     }
@@ -67,7 +70,64 @@ impl LeftOut {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::axis::Axis;
+    use crate::diagnosis::fitted::Fitted;
+    use crate::diagnosis::fitting::fit::{Term, all_values, fit};
+    use crate::log::Log;
+    use crate::prediction::Subject;
     use crate::sensors::random::RandomStream;
+
+    /// 16 s of one axis under steps of its command, with a lag that the model below has to find.
+    fn log() -> Log {
+        let mut random = RandomStream::new(8, "left out");
+        let [mut angle, mut rate, mut motor, mut command] = [0.0; 4];
+        let [mut angles, mut rates, mut commands] = [const { Vec::<f64>::new() }; 3];
+        for row in 0..3200 {
+            if row % 40 == 0 {
+                command = 0.1 * random.normal() - 0.02 * angle - 0.01 * rate;
+            }
+            angles.push(angle + 1e-3 * random.normal());
+            rates.push(rate + 1e-2 * random.normal());
+            commands.push(command);
+            for _ in 0..10 {
+                motor += 5e-4 / 0.03 * (command - motor);
+                angle += 5e-4 * rate;
+                rate += 5e-4 * (100.0 * motor - 0.5 * rate + 2.0 * random.normal());
+            }
+        }
+        Log {
+            axes: [true, false, false],
+            time_s: (0..3200).map(|row| 0.005 * f64::from(row)).collect(),
+            angle_rad: [Some(angles), None, None],
+            rate_rad_s: [Some(rates), None, None],
+            axis_command: [Some(commands), None, None],
+            ..Log::default()
+        }
+    }
+
+    #[test]
+    fn a_fit_without_a_part_is_that_of_the_other_windows_alone() {
+        let (log, subject) = (log(), Subject::Axes);
+        let shooting = subject.shooting(&log, &subject.noise(&log)).unwrap();
+        let is_fitted = |effect: &Fitted| ["torque_bias", "motor_lag", "actuation_delay"].contains(&effect.name());
+        let others = Fitted::hypotheses(&subject.scope(&log)).into_iter().filter(is_fitted);
+        let effects: Vec<Fitted> = [Fitted::InputGain(Axis::Roll)].into_iter().chain(others).collect();
+        let terms = effects.iter().map(|effect| Term { effect, values: effect.beginning(&[0.02, 0.01]) }).collect();
+        let nominal = || subject.model(&log);
+        let (starts, windows) = (shooting.log.measured_starts(&nominal()), shooting.log.in_use());
+        let found = fit(&shooting, &nominal, terms, &starts, &windows);
+        let without = |part: usize| {
+            let others = windows.iter().enumerate().filter(|(place, _)| place * PARTS_MAX / windows.len() != part);
+            let others: Vec<usize> = others.map(|(_, window)| *window).collect();
+            all_values(&fit(&shooting, &nominal, found.terms.clone(), &found.starts, &others).terms)
+        };
+        let expected = LeftOut::from_values((0..PARTS_MAX).map(without).collect());
+        let left_out = LeftOut::of(&found, &shooting, &nominal, &windows);
+        assert!(windows.len() >= PARTS_MAX * WINDOWS_USUAL, "{}", windows.len());
+        assert_eq!(left_out.departures, expected.departures);
+        // and they do differ
+        assert!(left_out.departures.iter().all(|of_part| of_part[0] != 0.0), "{:?}", left_out.departures);
+    }
 
     #[test]
     fn the_mean_of_parts_scatters_as_its_parts_do() {

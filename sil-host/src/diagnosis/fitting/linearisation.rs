@@ -49,6 +49,7 @@ pub(in crate::diagnosis) fn normal_beside(windows: &[Option<Eliminated<'_>>], ex
 }
 
 /// One window of it.
+#[derive(Clone)]
 pub(in crate::diagnosis) struct WindowLinear {
     pub(in crate::diagnosis) residual: Residuals,
     pub(in crate::diagnosis) start: Arc<StartSlopes>,

@@ -16,7 +16,7 @@ use crate::statistics::Cholesky;
 
 /// Values and start states, and what they leave: whether they are any better is known before all slopes are.
 pub(super) struct Attempt<'e> {
-    terms: Vec<Term<'e>>,
+    pub(super) terms: Vec<Term<'e>>,
     starts: Vec<State>,
     /// Without slopes along parameters.
     linear: Linearisation,
@@ -91,8 +91,20 @@ impl<'e> Round<'e> {
 
     fn of(terms: Vec<Term<'e>>, starts: Vec<State>, linear: Linearisation) -> Round<'e> {
         let normals = linear.normals();
+        Round::summed(terms, starts, linear, normals)
+    }
+
+    fn summed(terms: Vec<Term<'e>>, starts: Vec<State>, linear: Linearisation, normals: Vec<Normal>) -> Round<'e> {
         let normal = with_priors(Normal::sum(&normals), &terms);
         Round { terms, starts, linear, normals, normal }
+    }
+
+    /// The one that a fit of some of its windows begins with; they are chosen by their places.
+    pub(super) fn only(&self, is_in: impl Fn(usize) -> bool) -> Round<'e> {
+        let both = self.linear.windows.iter().zip(&self.normals).enumerate().filter(|(place, _)| is_in(*place));
+        let (windows, normals): (Vec<WindowLinear>, Vec<Normal>) =
+            both.map(|(_, (window, normal))| (window.clone(), normal.clone())).unzip();
+        Round::summed(self.terms.clone(), self.starts.clone(), Linearisation { windows }, normals)
     }
 
     /// The damped step.
