@@ -124,26 +124,25 @@ pub(super) fn numbers_of(fit: &Fit<'_>) -> Numbers {
 pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted], in_sensors: Option<&Numbers>) -> Candidate<'e> {
     let answers = if search.gains.is_empty() { [None; 3] } else { search.shooting.log.answers_rad_s2() };
     // a delay at the end of its range has lost its command: whatever it explains is no vehicle's
-    let rank = |fit: &Candidate<'_>| {
-        let (terms, has_own_lag) = (&fit.fit.terms, (search.nominal)().drive.quickest_s().is_finite());
+    let rank = |fit: &Fit<'_>| {
+        let (terms, has_own_lag) = (&fit.terms, (search.nominal)().drive.quickest_s().is_finite());
         let is_wrong = has_bound(terms) || !has_own_lag && answers_at_once(terms) || turns_back(terms, &answers);
-        (is_wrong, fit.fit.training)
+        (is_wrong, fit.training)
     };
-    let mut best: Option<Candidate<'e>> = None;
+    let mut best: Option<Fit<'e>> = None;
     let begins = beginnings(search, ordinary, in_sensors, &answers);
     let total = begins.len();
     for (done, terms) in begins.into_iter().enumerate() {
         (search.observer)(Progress::Fitting { done, total });
         // a start that can't come near the best so far is given up
-        let to_reach = best.as_ref().filter(|best| !rank(best).0).map_or(f64::INFINITY, |best| best.fit.training);
-        let fit = search.settled(terms, to_reach);
-        let is_better =
-            |best: &Candidate<'_>| rank(&fit).0.cmp(&rank(best).0).then(rank(&fit).1.total_cmp(&rank(best).1));
+        let to_reach = best.as_ref().filter(|best| !rank(best).0).map_or(f64::INFINITY, |best| best.training);
+        let fit = search.settled_fit(terms, to_reach);
+        let is_better = |best: &Fit<'_>| rank(&fit).0.cmp(&rank(best).0).then(rank(&fit).1.total_cmp(&rank(best).1));
         if best.as_ref().is_none_or(|best| is_better(best).is_lt()) {
             best = Some(fit);
         }
     }
-    best.unwrap_or_else(|| search.nominal())
+    best.map_or_else(|| search.nominal(), |best| search.chosen_by(best))
 }
 
 /// The same from these numbers on alone.

@@ -75,6 +75,9 @@ fn sets(fit: &Fit<'_>, places: &[usize]) -> Vec<Vec<usize>> {
 
 /// Takes out, one by one, the findings that do not help what is reported.
 pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) -> Fit<'e> {
+    if chosen.terms.len() == search.always.len() {
+        return chosen;
+    }
     let (base, mut with) = (Judged::of(search, base), Judged::of(search, chosen));
     loop {
         let worse: Vec<usize> =

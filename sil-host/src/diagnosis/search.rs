@@ -196,8 +196,13 @@ impl<'e> Search<'e> {
     /// The model with these effects fitted from their values on, all start states at their best; given up where it
     /// can't come near a sum of squares.
     pub(super) fn settled(&self, terms: Vec<Term<'e>>, to_reach: f64) -> Candidate<'e> {
+        self.chosen_by(self.settled_fit(terms, to_reach))
+    }
+
+    /// The fit alone, without what it leaves of the windows of choice.
+    pub(super) fn settled_fit(&self, terms: Vec<Term<'e>>, to_reach: f64) -> Fit<'e> {
         let starts = self.settled_starts(&terms);
-        self.fitted(terms, &starts, to_reach)
+        self.fit_within_bounds(terms, &starts, &self.training, to_reach)
     }
 
     /// The chosen effects fitted to all windows: the residual is then what no model of them explains.
@@ -251,7 +256,7 @@ impl<'e> Search<'e> {
     }
 
     /// A fit and what it leaves of the windows of choice.
-    fn chosen_by(&self, mut fit: Fit<'e>) -> Candidate<'e> {
+    pub(super) fn chosen_by(&self, mut fit: Fit<'e>) -> Candidate<'e> {
         let driven = self.shooting.log.drive(model_of(self.nominal, &fit.terms));
         let choice = self.shooting.settle(&driven, &self.choice, &mut fit.starts).iter().sum();
         Candidate { fit, choice }
