@@ -8,7 +8,7 @@ use crate::prediction::model::Model;
 
 /// Distance from a bound, as a share of the range, that is still at the bound.
 const AT_BOUND: f64 = 1e-3;
-/// Share of the commands' variation that must be left of them.
+/// Share of the commands' standard deviation that must be left of them.
 const INPUT_MIN: f64 = 0.5;
 
 /// Could the effect that was added last be a vehicle's?
@@ -42,6 +42,7 @@ fn is_at_bound(unknown: &Unknown, value: f64) -> bool {
 /// Does enough of the commands arrive at the motors?
 fn leaves_input(shooting: &Shooting<'_>, nominal: Nominal<'_>, terms: &[Term<'_>]) -> bool {
     let commands = &shooting.log.commands.value;
+    // sum of squares about the motors' means
     let variation = |model: &Model| -> f64 {
         let arrived: Vec<[f64; 4]> =
             commands.iter().map(|row| model.drive.clipped(*row, &model.changes.chain.path)).collect();
@@ -51,5 +52,5 @@ fn leaves_input(shooting: &Shooting<'_>, nominal: Nominal<'_>, terms: &[Term<'_>
         };
         (0..4).map(of_motor).sum()
     };
-    variation(&model_of(nominal, terms)) >= INPUT_MIN * variation(&model_of(nominal, &[]))
+    variation(&model_of(nominal, terms)) >= INPUT_MIN * INPUT_MIN * variation(&model_of(nominal, &[]))
 }

@@ -21,6 +21,14 @@ pub(super) struct Scored<'e> {
     pub(super) slopes: Option<Vec<Vec<Residuals>>>,
 }
 
+impl Scored<'_> {
+    /// Does its fit begin where the effect changes something already, and not what it should? To first order a limit of
+    /// the commands that is far from the true one explains little, however much the true one would.
+    pub(super) fn begins_far_off(&self) -> bool {
+        self.slopes.is_none()
+    }
+}
+
 impl<'e> Search<'e> {
     /// The model's linearisation, and all ways to add one effect that may be significant, those that would explain most
     /// to first order first.
@@ -46,7 +54,11 @@ impl<'e> Search<'e> {
         }
         scored.sort_by(|a, b| b.score.total_cmp(&a.score));
         scored.retain(|scored| scored.score > 0.5 * SIGNIFICANT);
+        let far_off = scored.iter().skip(FITTED_MAX).position(Scored::begins_far_off);
+        let kept = far_off.filter(|_| self.has_base() && !scored[..FITTED_MAX].iter().any(Scored::begins_far_off));
+        let kept = kept.map(|beyond| scored.swap_remove(FITTED_MAX + beyond));
         scored.truncate(FITTED_MAX);
+        scored.extend(kept);
         drop(eliminated);
         (linear, scored)
     }

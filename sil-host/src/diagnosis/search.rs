@@ -287,11 +287,14 @@ impl<'e> Search<'e> {
         let mut most = known;
         let (effects, total) = (to.fit.terms.len() - self.always.len(), self.catalogue.len() + FITTED_MAX);
         let (linear, scored) = self.scored(to);
+        let mut fits_far_off = false;
         for (done, scored) in (self.catalogue.len()..).zip(scored) {
             (self.observer)(Progress::Searching { effects, done, total });
-            if OVERSHOT * scored.score < most {
-                break;
+            let may_be_more = self.has_base() && scored.begins_far_off() && !fits_far_off;
+            if OVERSHOT * scored.score < most && !may_be_more {
+                continue;
             }
+            fits_far_off |= scored.begins_far_off();
             let fit = self.extended(to, &linear, scored, to.fit.training - most);
             most = most.max(to.fit.training - fit.fit.training);
             fits.push(fit);

@@ -46,6 +46,28 @@ fn rotors_that_shake_the_imu_are_taken_for_no_effect() {
     assert!((scale.value - 0.9).abs() < 4.0 * scale.std && scale.std < 0.02, "{scale:?}");
 }
 
+/// Motors that do less than they are told in the strongest manoeuvres, in a vehicle with more that is off than a search
+/// without a base model can hold. A limit is no small number that a fit goes on from: near the ends of the commands it
+/// explains little yet, and a lift that is a third too small explains a good deal of it.
+#[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
+fn a_limit_of_the_commands_is_found_beside_a_base_model() {
+    let ordinary = [
+        "thrust_scale:scale=0.85",
+        "torque_bias:axis=roll,torque_nm=0.05",
+        "torque_bias:axis=pitch,torque_nm=-0.03",
+        "motor_lag:time_constant_s=0.012",
+        "viscous_friction:axis=pitch,coefficient_nms=0.008",
+        "command_clipping:max=0.6",
+    ];
+    let answer = answer_to(&log(&ordinary, None, 6));
+    let [first, ..] = &answer.findings[..] else { panic!("{answer:?}") };
+    let max = first.parameters["max"];
+    assert!((max.value - 0.6).abs() < 4.0 * max.std && max.std < 0.02, "{max:?}");
+    let lift = answer.base.iter().find(|term| term.effect == "thrust_scale").unwrap().parameters["scale"];
+    assert!((lift.value - 0.85).abs() < 4.0 * lift.std && lift.std < 0.02, "{lift:?}");
+}
+
 #[test]
 fn two_effects_are_both_named_with_their_sizes() {
     let hidden = ["weak_motor:motor=3,scale=0.96", "viscous_friction:axis=pitch,coefficient_nms=0.02"];

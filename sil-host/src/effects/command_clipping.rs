@@ -18,6 +18,9 @@ pub struct CommandClipping {
 const MIN: Parameter = Parameter::new("min", "", "smallest command that is done", [0.0, 1.0]);
 const MAX: Parameter = Parameter::new("max", "", "largest command that is done", [0.0, 1.0]).nominal(1.0);
 
+/// Shares of the range of the commands by which a fit begins inside of it.
+const INSETS: [f64; 2] = [0.1, 0.35];
+
 impl Catalogued for CommandClipping {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "command_clipping",
@@ -42,11 +45,12 @@ impl Catalogued for CommandClipping {
 
     fn hypotheses(_scope: &Scope) -> Vec<Hypothesis> {
         let (min, max) = (Unknown::of(&MIN, 1e-4).within(0.0, 0.9), Unknown::of(&MAX, 1e-4).within(0.1, 1.0));
-        // inside the range of the commands, at one end or the other: outside, nothing depends on it
+        // inside the range of the commands, near one end or the other: outside, nothing depends on it, and one that
+        // cuts deep into them shows nothing of itself from where few commands are
         let of_log = Hypothesis::new(Self::ENTRY, [min, max], |[min, max]| Self { min, max }).starting(|hints| {
             let [low, high] = hints.command_range;
-            let inset = 0.1 * (high - low);
-            vec![vec![0.0, high - inset], vec![low + inset, 1.0]]
+            let inset = |share: f64| share * (high - low);
+            INSETS.iter().flat_map(|share| [vec![0.0, high - inset(*share)], vec![low + inset(*share), 1.0]]).collect()
         });
         vec![of_log]
     }

@@ -1,7 +1,7 @@
 //! The blind campaigns: `cargo run --release -p campaigns --bin blind_diagnosis -- [CAMPAIGN [COUNT [FIRST
 //! [FOLDER]]]]`, CAMPAIGN one of singles, nominal, lost-commands, pairs, triples, outside, free, reality; all of them
 //! without one. Tables go to the terminal, every case before them as it is done; logs go to the folder, where one is
-//! given, and beside them the model files that are wrong on purpose.
+//! given, and beside them the true vehicles and the model files that are wrong on purpose.
 //!
 //! `tenth` in the campaign's place runs a fixed tenth of each, and fails where fewer answers are right than there were.
 
@@ -24,11 +24,11 @@ fn main() -> ExitCode {
         let score = campaign.run(&seeds, DURATION_S, |case, outcome| {
             print_case(outcome);
             if let Some(folder) = arguments.get(3) {
-                let file = format!("{folder}/{}-{}.csv", campaign.name(), case.seed);
-                std::fs::write(file, &case.csv).expect("the folder is there");
+                let file = |end: &str| format!("{folder}/{}-{}{end}", campaign.name(), case.seed);
+                std::fs::write(file(".csv"), &case.csv).expect("the folder is there");
+                std::fs::write(file("-truth.toml"), case.vehicle.to_toml()).expect("the folder is there");
                 if let Some(reality) = &case.reality {
-                    let file = format!("{folder}/{}-{}.toml", campaign.name(), case.seed);
-                    std::fs::write(file, reality.given.to_toml()).expect("the folder is there");
+                    std::fs::write(file(".toml"), reality.given.to_toml()).expect("the folder is there");
                 }
             }
         });
