@@ -65,8 +65,8 @@ pub enum LogErrorKind {
     #[error("the file is empty; expected a header line and at least {ROWS_MIN} rows")]
     Empty,
     #[error(
-        "numbers stand where the names of the columns are expected: write a first line that says what each column is, as \
-         in docs/log-format.md, or under names of your own for `sil map`"
+        "numbers stand where the names of the columns are expected: write a first line that says what each column is, \
+         by the names of docs/log-format.md, or by names of your own for `sil map`"
     )]
     NoNames,
     #[error("{reason}; the header has: {present}")]
