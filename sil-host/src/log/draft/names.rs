@@ -25,6 +25,7 @@ const ANGULAR: [&str; 2] = ["ang", "angular"];
 const ANGLES: [&str; 5] = ["heading", "attitude", "euler", "angle", "rpy"];
 /// What the receiver says is the pilot's, not the controller's.
 const RECEIVER: [&str; 3] = ["rc", "channel", "channels"];
+/// Of all motors together; beside a motor's word it is one motor's.
 const THRUST: [&str; 5] = ["thrust", "throttle", "collective", "thr", "t"];
 
 /// Words of motors' commands; of outputs, which are motors' where there are four; and of rotors' speeds.
@@ -132,7 +133,6 @@ pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
     } else if has(&ACCELEROMETER) || first_is(&["ax", "ay", "az"]) {
         Quantity::Accel(axis?.0)
     } else if has(&THRUST) && has(&MOTOR) {
-        // of one motor, or of motors that count from elsewhere: not the throttle of all
         return None;
     } else if has(&THRUST) && (has(&COMMAND) || has(&REFERENCE) || axis.is_none()) && !has(&["actuator"]) {
         Quantity::Thrust
