@@ -6,12 +6,12 @@ use crate::closed_loop::LogRefused;
 use crate::comparison::{Comparison, compare};
 use crate::controller_file::ControllerChoice;
 use crate::diagnosis::{
-    Diagnosis, Effort, Fact, Identification, Known, KnownScale, NotKnown, Observer, diagnose_flown_by,
+    Diagnosis, Effort, Fact, Identification, Known, KnownScale, NotIdentified, NotKnown, Observer, diagnose_flown_by,
     diagnose_observed, identify_observed, mismatch,
 };
 use crate::log::Log;
 use crate::model::{BenchModel, Rig, VehicleModel};
-use crate::prediction::Subject;
+use crate::prediction::{NotPredictable, Subject};
 
 /// What was chosen, and how.
 #[derive(Clone, Debug, Default)]
@@ -269,10 +269,13 @@ fn identified_from(
             ..HeldAgainst::default()
         }),
         Err(error) => {
-            let said = format!(
-                "No --model, and no vehicle could be identified from {called}: {error}. Instead each axis is examined \
-                 by itself."
+            // a log in which nothing flew shows no axis either, and its refusal follows
+            let nothing_flew = matches!(
+                error,
+                NotIdentified::NotPredictable(NotPredictable::NoWindow { .. } | NotPredictable::MotorsStand { .. })
             );
+            let instead = if nothing_flew { "" } else { " Instead each axis is examined by itself." };
+            let said = format!("No --model, and no vehicle could be identified from {called}: {error}.{instead}");
             match flights.first() {
                 Some(log) => axes(log, wants_vehicle, said),
                 None => Ok(HeldAgainst { said, ..HeldAgainst::default() }),

@@ -64,6 +64,11 @@ pub enum LogErrorKind {
     NotText,
     #[error("the file is empty; expected a header line and at least {ROWS_MIN} rows")]
     Empty,
+    #[error(
+        "numbers stand where the names of the columns are expected: write a first line that says what each column is, \
+         by the names of docs/log-format.md, or by names of your own for `sil map`"
+    )]
+    NoNames,
     #[error("{reason}; the header has: {present}")]
     MissingColumn { reason: String, present: String },
     #[error("given twice: as `{first}` and as `{second}`")]

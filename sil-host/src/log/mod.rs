@@ -21,6 +21,7 @@ mod long;
 mod map;
 mod mapped_column;
 mod messages;
+mod more_motors;
 mod motor_order;
 mod other_files;
 mod outside;

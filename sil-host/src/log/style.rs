@@ -2,20 +2,33 @@
 
 use super::error::LogErrorKind;
 
+const BLANK: char = ' ';
+
 /// How numbers and fields are written in a file.
 pub(crate) struct Style {
-    pub(crate) separator: char,
+    separator: char,
     /// The first mark of a fraction that was found.
     decimal: Option<char>,
 }
 
 impl Style {
-    /// The separator is whichever of three the header has most of.
+    /// The separator is whichever of three the header has most of; in one that has none of them, blanks are.
     pub(crate) fn of(header: &str) -> Style {
         let separators = [',', ';', '\t'];
+        if !header.contains(separators) && header.trim().contains(BLANK) {
+            return Style { separator: BLANK, decimal: None };
+        }
         // the first of equals
         let most = separators.into_iter().rev().max_by_key(|separator| header.matches(*separator).count());
         Style { separator: most.unwrap_or(','), decimal: None }
+    }
+
+    /// The fields of a line, as they stand there. Any number of blanks is one separator.
+    pub(crate) fn fields<'t>(&self, line: &'t str) -> Vec<&'t str> {
+        match self.separator {
+            BLANK => line.split_whitespace().collect(),
+            separator => line.split(separator).collect(),
+        }
     }
 
     /// A number, written with a point or, where commas do not separate fields, with a comma, the same in all the file.
@@ -30,5 +43,22 @@ impl Style {
         self.decimal = self.decimal.or(mark);
         let parsed = if is_comma && !text.contains('.') { text.replacen(',', ".", 1).parse() } else { text.parse() };
         parsed.map_err(|_| LogErrorKind::NotANumber(text.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blanks_separate_where_nothing_else_does() {
+        for (header, line, fields) in [
+            ("t  gyro_x m1", "0.1   2 3", vec!["0.1", "2", "3"]),
+            ("t, gyro x, m 1", "0.1, 2,,3", vec!["0.1", " 2", "", "3"]),
+            ("t\tgyro x", "1\t\t2", vec!["1", "", "2"]),
+            ("t", "0 1", vec!["0 1"]),
+        ] {
+            assert_eq!(Style::of(header).fields(line), fields, "{header}");
+        }
     }
 }

@@ -50,8 +50,8 @@ pub enum NotWanted {
         error: Box<FlownError>,
     },
     /// It contradicts its labels.
-    #[error("{0}\n(sil map {file} drafts a map; --unchecked compares nevertheless)", file = .0.file)]
-    Contradictory(LogError),
+    #[error("{0}\n({1}--unchecked compares nevertheless)")]
+    Contradictory(Box<LogError>, String),
 }
 
 impl Wanted {
@@ -77,7 +77,11 @@ impl Wanted {
             part.notes.push("not checked against itself (--unchecked)".to_owned());
             return Ok(part);
         }
-        let examination = gate(&part, self.map.as_ref()).map_err(NotWanted::Contradictory)?;
+        let examination = gate(&part, self.map.as_ref()).map_err(|error| {
+            // what a flight controller's fields mean is known
+            let draft = part.flight_controller.is_none().then(|| format!("sil map {} drafts a map; ", error.file));
+            NotWanted::Contradictory(Box::new(error), draft.unwrap_or_default())
+        })?;
         part.notes.push(match examination.confirmed.as_slice() {
             [] => "too short or too quiet to check units, signs and order of its columns".to_owned(),
             confirmed => format!("checked: {}", confirmed.join("; ")),

@@ -81,11 +81,12 @@ impl Bench {
             return Err(whole("is empty: expected a header that names the columns, then rows of numbers".to_owned()));
         };
         let mut style = Style::of(header);
-        let names: Vec<&str> = header.split(style.separator).map(|name| name.trim_matches([' ', '"'])).collect();
+        let names: Vec<&str> = style.fields(header).into_iter().map(|name| name.trim_matches([' ', '"'])).collect();
         let uses = uses_of(&names).map_err(|problem| at(header_line, problem))?;
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
         for (line, text) in lines {
-            let fields: Vec<&str> = text.split(style.separator).map(|field| field.trim_matches([' ', '"'])).collect();
+            let fields: Vec<&str> =
+                style.fields(text).into_iter().map(|field| field.trim_matches([' ', '"'])).collect();
             if fields.len() != names.len() {
                 let problem = format!("has {} fields, the header {}: is the line cut off?", fields.len(), names.len());
                 return Err(at(line, problem));

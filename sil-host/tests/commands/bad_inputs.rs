@@ -294,7 +294,12 @@ const OF_FILES: &[Row] = &[
         REFUSED,
         &["`pitch_rad`: required column is missing, and so are q_rad_s, motor3"],
     ),
-    ("no header", Text(|t| t.lines().skip(heading(t)).map(|l| format!("{l}\n")).collect()), REFUSED, &["is missing"]),
+    (
+        "no header",
+        Text(|t| t.lines().skip(heading(t)).map(|l| format!("{l}\n")).collect()),
+        REFUSED,
+        &["numbers stand where"],
+    ),
     ("a column twice", Text(|t| with_header(t, "q_rad_s", "p_rad_s")), REFUSED, &["given twice"]),
     ("two units", Text(|t| with_header(t, "q_rad_s", "p_deg_s")), REFUSED, &["given twice", "`p_deg_s`"]),
     (

@@ -27,6 +27,21 @@ fn map(quantities: &str) -> String {
 const COMMANDS: &str = "roll_cmd = { columns = { a = 0.5, d = -0.25 }, scale = 0.01, offset = 0.1, sign = -1 }\n\
                         pitch_cmd = { column = \"b\", scale = 0.01 }\n";
 
+/// Nothing is announced that is then refused.
+#[test]
+fn a_log_in_which_nothing_flew_is_refused_at_once() {
+    let motors = ["a", "b", "c", "d"].into_iter().enumerate();
+    let motors =
+        motors.map(|(motor, column)| format!("motor{} = {{ column = \"{column}\", scale = 0.01 }}\n", motor + 1));
+    let head = "rig = \"free\"\nactive_when = \"motor1 > 0.9\"\n[quantities]";
+    let folder = Folder::new();
+    folder.write("log.csv", foreign());
+    folder.write("m.toml", map(&motors.collect::<String>()).replace("[quantities]", head));
+    let outcome = folder.sil(&["diagnose", "log.csv", "--map", "m.toml", "--unchecked"]);
+    outcome.assert_message_of_status_2(&["the motors run in none of the 120 rows"]);
+    assert!(outcome.stdout.contains("no vehicle could be identified") && !outcome.stdout.contains("Instead"));
+}
+
 /// What grows by one a second, taken for a place in centimetres.
 #[test]
 fn how_fast_a_place_changes_is_a_velocity() {

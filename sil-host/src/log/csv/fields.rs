@@ -40,10 +40,15 @@ impl Field {
     }
 }
 
+/// What a vehicle of more than four motors has.
+const MORE_MOTORS: [&str; 2] = ["motor5", "motor5_pct"];
+const OF_MORE_MOTORS: &str = "only quadrotors are simulated; where nothing hangs on it, leave the column out";
+
 /// The fields of a log whose header speaks for itself.
 pub(super) fn named_fields(names: &[&str], log: &mut Log) -> Result<Vec<Field>, HeaderError> {
     let mut fields: Vec<Field> = Vec::new();
     let mut ignored = Vec::new();
+    let mut twice = None;
     for (index, name) in names.iter().enumerate() {
         let Some((quantity, scale)) = Quantity::from_name(name) else {
             ignored.push(*name);
@@ -51,16 +56,26 @@ pub(super) fn named_fields(names: &[&str], log: &mut Log) -> Result<Vec<Field>, 
         };
         if let Some(first) = fields.iter().find(|field| field.column.quantity == quantity) {
             let kind = LogErrorKind::GivenTwice { first: first.column.called(), second: (*name).to_owned() };
-            return Err((Some(quantity.name()), kind));
+            twice.get_or_insert((Some(quantity.name()), kind));
+            continue;
         }
         fields.push(Field { column: MappedColumn::of_one(quantity, name, scale), places: vec![index] });
     }
     let has = |quantity| fields.iter().any(|field| field.column.quantity == quantity);
     let by_axis =
         Axis::ALL.iter().any(|axis| has(Quantity::Command(*axis))) && !(0..4).any(|motor| has(Quantity::Motor(motor)));
-    let lacking: Vec<Quantity> = required(by_axis).into_iter().filter(|quantity| !has(*quantity)).collect();
+    let mut lacking = required(by_axis);
+    let wanted = lacking.len();
+    lacking.retain(|quantity| !has(*quantity));
+    // a table without most of the names has taken two of them by chance
+    if let Some(error) = twice.filter(|_| 2 * lacking.len() < wanted) {
+        return Err(error);
+    }
     if let [first, others @ ..] = lacking.as_slice() {
         return Err(missing(*first, others, names));
+    }
+    if let Some(name) = names.iter().find(|name| MORE_MOTORS.contains(name)) {
+        return Err((Some((*name).to_owned()), LogErrorKind::NotThisVehicle(OF_MORE_MOTORS.to_owned())));
     }
     let yaw = has(Quantity::Angle(Axis::Yaw)) || has(Quantity::Rate(Axis::Yaw));
     log.axes = [true, true, yaw];

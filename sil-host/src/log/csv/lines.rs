@@ -38,6 +38,13 @@ pub(super) fn unquoted(field: &str) -> &str {
     inner.unwrap_or(field)
 }
 
+/// Whether a header's fields are names: most of those of a table without a header are numbers.
+pub(super) fn are_names<'n>(fields: impl Iterator<Item = &'n str>) -> bool {
+    let (numbers, all) =
+        fields.fold((0, 0), |(numbers, all), field| (numbers + usize::from(field.parse::<f64>().is_ok()), all + 1));
+    2 * numbers <= all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

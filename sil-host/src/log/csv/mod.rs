@@ -14,7 +14,7 @@ mod rows;
 mod table;
 
 use self::fields::{Field, mapped_fields, named_fields, required};
-use self::lines::{Lines, unquoted};
+use self::lines::{Lines, are_names, unquoted};
 use self::rows::{Rows, line_of, read_rows};
 pub(super) use self::table::table;
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
@@ -52,7 +52,10 @@ fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'
     let mut header = lines.by_ref().skip(comments.len());
     let (header_line, header) = header.next().ok_or_else(empty)?;
     let mut style = Style::of(header);
-    let names: Vec<&str> = header.split(style.separator).map(unquoted).collect();
+    let names: Vec<&str> = style.fields(header).into_iter().map(unquoted).collect();
+    if !are_names(names.iter().copied()) {
+        return Err(error_in(file, Some(header_line), None, LogErrorKind::NoNames));
+    }
     let mut log = Log { path: file.to_owned(), comments, ..Log::default() };
     let fields = match map {
         Some(map) => mapped_fields(&names, map, &mut log),
@@ -70,6 +73,7 @@ fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'
         log.notes.push(format!("line {cut} left out: it has no line end and may be cut off"));
     }
     log.notes.extend(rows.repeated.notes());
+    log.notes.extend(rows.one_time.notes());
     if rows.blanks > 0 {
         if map.is_none()
             && let Some((name, kind)) = all_blank(&names, &fields, &rows)
@@ -148,5 +152,62 @@ mod tests {
             let error = parse("log.csv", &text, Some(&map)).unwrap_err().to_string();
             assert!(error.starts_with("log.csv:2: ") && error.contains(said), "{error}");
         }
+    }
+
+    const HEADER: &str = "time_s,roll_rad,pitch_rad,p_rad_s,q_rad_s,motor1,motor2,motor3,motor4";
+
+    /// So many rows; their times, then numbers that no row repeats.
+    fn rows(count: usize, time_s: impl Fn(usize) -> f64) -> String {
+        let row = |row: usize| format!("{},{},0,0,0,0.5,0.5,0.5,0.5\n", time_s(row), 1e-3 * row as f64);
+        (0..count).map(row).collect()
+    }
+
+    #[test]
+    fn fields_between_blanks_are_fields() {
+        let table = format!("{HEADER}\n{}", rows(120, |row| 0.01 * row as f64));
+        let blanks = parse("log.csv", &table.replace(',', "  "), None).unwrap();
+        assert_eq!(blanks, parse("log.csv", &table, None).unwrap());
+    }
+
+    #[test]
+    fn a_table_without_names_is_told_from_one_of_other_names() {
+        for text in
+            [rows(120, |row| 0.01 * row as f64), "1 2.5 -3e4\n1 2 3\n".to_owned(), "4000,mag,0.2,-0.1\n".repeat(120)]
+        {
+            let error = parse("log.csv", &text, None).unwrap_err();
+            assert!(matches!(error.kind, LogErrorKind::NoNames) && error.line == Some(1), "{error}");
+        }
+    }
+
+    /// Batches of four rows that are stamped when they arrive, every 0.01 s.
+    #[test]
+    fn rows_of_one_time_are_spread_up_to_the_next() {
+        let batches = format!("{HEADER}\n{}", rows(200, |row| (row / 4) as f64 * 0.01));
+        let log = parse("log.csv", &batches, None).unwrap();
+        for (row, time_s) in log.time_s.iter().enumerate() {
+            assert!((time_s - 0.0025 * row as f64).abs() < 1e-12, "{row}: {time_s}");
+        }
+        assert!(log.notes.iter().any(|note| note.starts_with("150 rows have the time of the row before")));
+        // a few are mistakes, and many in a run a clock that stands still
+        for time_s in [|row| (row - usize::from(row == 50)) as f64, |row: usize| row.clamp(60, 140) as f64] {
+            let error = parse("log.csv", &format!("{HEADER}\n{}", rows(200, time_s)), None).unwrap_err();
+            assert!(matches!(error.kind, LogErrorKind::TimeNotIncreasing { .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_is_given_twice_matters_to_whom_has_the_other_columns() {
+        let twice = format!("{HEADER},p_deg_s\n{}", rows(120, |row| row as f64).replace(".5\n", ".5,1\n"));
+        let error = parse("log.csv", &twice, None).unwrap_err();
+        assert!(matches!(error.kind, LogErrorKind::GivenTwice { .. }), "{error}");
+        let error = parse("log.csv", "t,roll_ref_rad,roll_ref_deg\n0,1,1\n", None).unwrap_err();
+        assert!(matches!(error.kind, LogErrorKind::MissingColumn { .. }), "{error}");
+    }
+
+    #[test]
+    fn a_fifth_motor_is_another_vehicles() {
+        let six = format!("{HEADER},motor5,motor6\n{}", rows(120, |row| row as f64).replace(".5\n", ".5,0.5,0.5\n"));
+        let error = parse("log.csv", &six, None).unwrap_err().to_string();
+        assert!(error.contains("`motor5`: only quadrotors are simulated"), "{error}");
     }
 }

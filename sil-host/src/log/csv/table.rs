@@ -4,7 +4,7 @@ use super::super::error::{LogError, LogErrorKind};
 use super::super::messages::Table;
 use super::super::style::Style;
 use super::error_in;
-use super::lines::{Lines, unquoted};
+use super::lines::{Lines, are_names, unquoted};
 
 /// Every column of numbers under its own name, a field that is no number as NaN; and the names of the columns that have
 /// fields which are neither numbers nor blank.
@@ -16,11 +16,14 @@ pub(in crate::log) fn table(file: &str, text: &str) -> Result<(Table, Vec<String
     let header = lines.find(|line| !line.starts_with('#') && !line.is_empty());
     let header = header.ok_or_else(|| error_in(file, None, None, LogErrorKind::Empty))?;
     let mut style = Style::of(header);
-    let names: Vec<String> = header.split(style.separator).map(|name| unquoted(name).to_owned()).collect();
+    let names: Vec<String> = style.fields(header).into_iter().map(|name| unquoted(name).to_owned()).collect();
+    if !are_names(names.iter().map(String::as_str)) {
+        return Err(error_in(file, None, None, LogErrorKind::NoNames));
+    }
     let mut has_words = vec![false; names.len()];
     let mut table = Table::with_fields(names.iter().cloned());
     for line in lines.filter(|line| !line.is_empty()) {
-        let fields = line.split(style.separator).map(unquoted).enumerate();
+        let fields = style.fields(line).into_iter().map(unquoted).enumerate();
         let numbers: Vec<f64> = fields
             .map(|(place, field)| {
                 let number = style.number(field);

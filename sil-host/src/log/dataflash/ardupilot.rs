@@ -2,6 +2,7 @@
 //! forward-right-down, world north-east-down, angles in degrees, rates in rad/s, outputs as pulse widths in us.
 
 use super::super::messages::Messages;
+use super::super::more_motors::{is_driven_with, no_quadrotor as no_further};
 use super::super::motor_order::{MotorOrder, Rotor, no_quadrotor, spin_reversed};
 use super::super::quantity::{DEGREE_RAD, Quantity};
 use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters, said_or_usual};
@@ -68,6 +69,7 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
         return Err(format!("the vehicle is no quadrotor: \"{text}\"; only quadrotors are simulated"));
     }
     let order = motor_order(messages, &mut recording.facts, &mut recording.frame_turn_deg)?;
+    all_wanted(messages)?;
     recording.streams.extend(imu(messages));
     recording.streams.extend(attitude(messages, &mut recording.facts));
     recording.streams.extend(sticks(messages));
@@ -75,7 +77,47 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     recording.streams.extend(position(messages, &mut recording.facts));
     recording.streams.extend(battery(messages, &mut recording.facts));
     recording.streams.extend(rotor_speeds(messages, &order));
-    Ok(recording)
+    match further_motors(messages) {
+        Some(why) => Err(why),
+        None => Ok(recording),
+    }
+}
+
+/// Why the vehicle is no quadrotor, where only its outputs say so: until 2016 the frame was an X or a plus whatever the
+/// number of motors, and the kind of vehicle a matter of the firmware.
+fn further_motors(messages: &Messages) -> Option<String> {
+    if messages.parameter("FRAME_CLASS").is_some() {
+        return None;
+    }
+    let [m1, m2, m3, m4, fifth, sixth] = [1, 2, 3, 4, 5, 6].map(|channel| channel_of(messages, "RCOU", channel));
+    let motors = [m1?.1, m2?.1, m3?.1, m4?.1];
+    let further = [fifth?, sixth?];
+    let all = further.iter().all(|(_, pulses_us)| is_driven_with(pulses_us, &motors));
+    all.then(|| no_further(&further.map(|(field, _)| format!("RCOU.{field}"))))
+}
+
+/// Nothing, where the messages are there without which a log shows nothing.
+///
+/// # Errors
+/// In words: which are not, and what has them logged.
+fn all_wanted(messages: &Messages) -> Result<(), String> {
+    let has = |names: &[&str]| names.iter().any(|name| messages.table(name).is_some());
+    let mut streams = ["IMU", "ATT", "RCOU"].into_iter().filter(|name| has(&[name]));
+    if let Some(name) = streams.find(|name| stream(messages, name).is_none()) {
+        return Err(format!(
+            "its messages {name} carry no times, as those of ArduCopter until 2013: nobody knows when"
+        ));
+    }
+    if has(&["RCOU"]) && has(&["IMU", "ATT", "XKF1", "NKF1", "EKF1", "AHR2"]) {
+        return Ok(());
+    }
+    let wanted = [("IMU", "IMU (body rates)"), ("ATT", "ATT (angles)"), ("RCOU", "RCOU (motors)")];
+    let missing: Vec<&str> = wanted.into_iter().filter(|(name, _)| !has(&[name])).map(|(_, said)| said).collect();
+    Err(format!(
+        "the log has no messages {}: the parameter LOG_BITMASK says what is logged; add IMU, RCOUT and ATTITUDE_FAST \
+         before the next flight",
+        missing.join(", ")
+    ))
 }
 
 /// What the file says of itself, without readings.
@@ -94,6 +136,14 @@ fn stream(messages: &Messages, name: &str) -> Option<Stream> {
     let us = table.column("TimeUS").map(|stamps| (stamps, 1e-6));
     let (stamps, unit_s) = us.or_else(|| table.column("TimeMS").map(|stamps| (stamps, 1e-3)))?;
     Some(Stream::at(name, stamps.iter().map(|stamp| stamp * unit_s).collect()))
+}
+
+/// A channel of a receiver or of the outputs, and the name of its field, of which older versions had others.
+fn channel_of<'m>(messages: &'m Messages, name: &str, channel: impl std::fmt::Display) -> Option<(String, &'m [f64])> {
+    ["C", "Ch", "Chan"].into_iter().find_map(|letters| {
+        let field = format!("{letters}{channel}");
+        messages.column(name, &field).map(|column| (field, column))
+    })
 }
 
 /// Gyro and accelerometer of the first IMU.
@@ -136,8 +186,7 @@ fn sticks(messages: &Messages) -> Option<Stream> {
         let is_reversed = messages.parameter(&format!("RC{channel}_REVERSED")) == Some(1.0)
             || messages.parameter(&format!("RC{channel}_REV")) == Some(-1.0);
         let sign = if is_reversed { -1.0 } else { 1.0 };
-        let field = format!("C{channel}");
-        if let Some(column) = messages.column(&stream.name, &field) {
+        if let Some((field, column)) = channel_of(messages, &stream.name, channel) {
             let value = column.iter().map(|pulse_us| (sign * (pulse_us - 1500.0) / 500.0).clamp(-1.0, 1.0)).collect();
             stream.add(Quantity::Stick(axis), &field, value);
         }
@@ -264,11 +313,9 @@ fn outputs(messages: &Messages, order: &[usize; 4], facts: &mut Vec<Fact>) -> Op
             Some(_) => Fact::said(&what, text, &format!("parameter SERVO{channel}_FUNCTION")),
             None => Fact::assumed(&what, text, "no SERVOn_FUNCTION names the motor"),
         });
-        let table = messages.table(name)?;
-        let field =
-            [format!("C{channel}"), format!("Ch{channel}")].into_iter().find(|field| table.column(field).is_some())?;
+        let (field, pulses_us) = channel_of(messages, name, channel)?;
         let command = |pulse_us: &f64| ((pulse_us - least) / (most - least)).clamp(0.0, 1.0);
-        let value = table.column(&field)?.iter().map(command).collect();
+        let value = pulses_us.iter().map(command).collect();
         stream.add(Quantity::Motor(motor), &field, value);
     }
     Some(stream)

@@ -8,6 +8,7 @@ use ardupilot_binlog::{Entry, Reader};
 
 use super::super::messages::{Messages, Table};
 use super::super::passage::Passage;
+use super::{INSTANCE, add_text};
 
 /// The head of a definition: two bytes before each message, and the number of the message `FMT`.
 pub(super) const DEFINITION: &[u8] = &[0xa3, 0x95, 0x80];
@@ -15,6 +16,10 @@ pub(super) const DEFINITION: &[u8] = &[0xa3, 0x95, 0x80];
 const DEFINITION_BYTES: usize = 89;
 /// Length of every message's head.
 const HEAD_BYTES: u8 = 3;
+
+/// PX4's first log has ArduPilot's frames, and one time before each round of messages in place of one in each.
+const OF_PX4: &str = "it is PX4's log of before 2017 (sdlog2), which is not read: PX4's sdlog2_dump.py makes a CSV of \
+                      it, `sil map` a map of that";
 
 /// The wanted messages of a file, and its parameters and texts; instance 1 of a message that has several is `name.1`.
 ///
@@ -37,6 +42,10 @@ pub(super) fn messages(
         read_bytes += reader.formats().get(&entry.msg_type).map_or(0, |format| usize::from(format.msg_len));
         passage.is_at(read_bytes);
         take(&mut messages, &entry, is_wanted);
+    }
+    let mut definitions = reader.formats().values();
+    if definitions.any(|format| format.name == "TIME" && format.labels.iter().any(|label| label == "StartTime")) {
+        return Err(OF_PX4.to_owned());
     }
     let left_out = bytes.len().saturating_sub(read_bytes);
     if left_out > 0 {
@@ -74,13 +83,11 @@ fn take(messages: &mut Messages, entry: &Entry, is_wanted: &dyn Fn(&str) -> bool
         }
         "MSG" => {
             if let Some(text) = entry.get_str("Message") {
-                let number = messages.texts.len();
-                messages.texts.insert(format!("{number:06}"), text.to_owned());
+                add_text(messages, text);
             }
         }
         name if is_wanted(name) => {
-            // the number of the instance has several names, C in the estimators' messages
-            let instance = ["I", "C", "Inst", "Instance"].into_iter().find_map(|label| entry.get_i64(label));
+            let instance = INSTANCE.into_iter().find_map(|label| entry.get_i64(label));
             let name = match instance {
                 Some(instance) if instance > 0 => format!("{name}.{instance}"),
                 _ => name.to_owned(),

@@ -124,6 +124,37 @@ fn another_airframe_is_refused_by_its_name() {
     assert!(message.contains("parameter FRAME_CLASS is 99; only quadrotors"), "{message}");
 }
 
+/// Until 2016 a hexarotor's frame was an X as a quadrotor's; a gimbal's servos are no motors.
+#[test]
+fn six_outputs_that_follow_the_throttle_are_no_quadrotors() {
+    let flown = |head: fn(File) -> File, servos: fn(u16) -> u16| {
+        let file = head(File::new().definition(129, 23, "PARM", "Nf", "Name,Value"));
+        let file = file.definition(130, 23, "IMU", "Qfff", "TimeUS,GyrX,GyrY,GyrZ");
+        let file = file.definition(131, 23, "RCOU", "QHHHHHH", "TimeUS,C1,C2,C3,C4,C5,C6");
+        let file = (0..300_u16).fold(file, |file, row| {
+            let stamp = (1_000_000 + 2500 * u64::from(row)).to_le_bytes();
+            let gyro = [0.01 * f32::from(row), -0.2, 0.3].map(|rate| rate.to_le_bytes().to_vec()).concat();
+            let throttle = if row > 100 { 1500 + row % 50 } else { 1100 };
+            let outputs = [throttle, throttle + 20, throttle - 20, throttle, servos(throttle), servos(throttle)];
+            let outputs = outputs.map(|pulse_us| pulse_us.to_le_bytes().to_vec()).concat();
+            file.message(130, &[&stamp[..], &gyro].concat()).message(131, &[&stamp[..], &outputs].concat())
+        });
+        file.read()
+    };
+    let old: fn(File) -> File = |file| file.parameter("FRAME", 1.0);
+    let message = flown(old, |throttle| throttle + 10).unwrap_err();
+    assert!(message.contains("RCOU.C5 and RCOU.C6 move as its first four motors do"), "{message}");
+    assert!(flown(old, |_| 1500).is_ok());
+    // what the vehicle is a newer one says itself
+    assert!(flown(|file| file.parameter("FRAME_CLASS", 1.0), |throttle| throttle + 10).is_ok());
+}
+
+#[test]
+fn the_first_log_of_px4_is_told_from_an_ardupilots() {
+    let file = File::new().definition(129, 11, "TIME", "Q", "StartTime").message(129, &7_u64.to_le_bytes());
+    assert!(file.read().unwrap_err().contains("it is PX4's log of before 2017"));
+}
+
 /// Right, left, front, rear: in axes between the arms front right, rear left, front left, rear right.
 #[test]
 fn a_plus_is_an_x_in_axes_between_its_arms() {

@@ -26,6 +26,15 @@ pub(super) struct Entry {
 }
 
 impl Entry {
+    /// Words of its column's name, where it is an angle's, a rate's or an accelerometer's: `Yaw` is yaw rather than
+    /// `User-defined yaw`.
+    pub(super) fn besides(&self) -> usize {
+        match self.quantity {
+            Quantity::Angle(_) | Quantity::Rate(_) | Quantity::Accel(_) => words(&self.column).len(),
+            _ => 0,
+        }
+    }
+
     /// The line of the map, its reason as a comment.
     pub(super) fn line(&self) -> String {
         let quoted = |name: &String| format!("\"{}\"", name.replace('\\', "\\\\").replace('"', "\\\""));

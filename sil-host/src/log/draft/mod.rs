@@ -18,11 +18,12 @@ use self::entry::{Entry, entries_of, entry};
 use self::filling::Filling;
 use self::names::{Named, is_command_of_some_axis, is_output, named};
 use self::quaternion::quaternion;
-use self::words::Families;
+use self::words::{Families, numbered};
 use super::contradiction::Contradiction;
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;
 use super::messages::Table;
+use super::more_motors::{is_driven_with, no_quadrotor};
 use super::quantity::Quantity;
 use super::sanity::examine;
 use super::{FORMATS, csv, source};
@@ -109,11 +110,15 @@ impl Drafting<'_> {
         // angles that the table has itself go before
         quaternion.iter().flat_map(entries_of).for_each(|entry| drafting.enter(entry));
         drafting.drop_signed_outputs(&table);
+        let further = drafting.further_motors(&table);
         drafting.take_command_by_elimination();
         units::share(&mut drafting.entries, &table);
         units::weigh(&mut drafting.entries, &table);
         units::size_commands(&mut drafting.entries, &table);
         drafting.lacking = drafting.lacking();
+        if !further.is_empty() {
+            drafting.lacking.push(no_quadrotor(&further));
+        }
         drafting.drop_what_is_not_needed();
         Ok(drafting)
     }
@@ -121,6 +126,7 @@ impl Drafting<'_> {
     /// Takes a column for what its name says, if its values may be that.
     fn take(&mut self, name: &str, said: Option<&Named>, filling: Filling, table: &Table) {
         let entry = said.map(|said| entry(name, said));
+        let entry = entry.filter(|entry| !is_idle_motor(entry, table));
         match (entry, filling) {
             (_, Filling::EndsEarly(rows)) => self.of_another_table.push((name.to_owned(), rows)),
             (Some(entry), Filling::Whole) => self.enter(entry),
@@ -134,10 +140,11 @@ impl Drafting<'_> {
         }
     }
 
-    /// Puts an entry in its place; the surer of two has it.
+    /// Puts an entry in its place; the surer of two has it, and of two equal ones that whose name says less besides.
     fn enter(&mut self, entry: Entry) {
+        let order = |entry: &Entry| (entry.rank, entry.besides());
         match self.entries.iter_mut().find(|other| other.quantity == entry.quantity) {
-            Some(other) if other.rank <= entry.rank => self.unused.push(entry.column),
+            Some(other) if order(other) <= order(&entry) => self.unused.push(entry.column),
             Some(other) => self.unused.push(std::mem::replace(other, entry).column),
             None => self.entries.push(entry),
         }
@@ -194,6 +201,21 @@ impl Drafting<'_> {
             let dropped = self.entries.extract_if(.., |entry| is_output(entry));
             self.unused.extend(dropped.map(|entry| entry.column));
         }
+    }
+
+    /// Columns that count on behind the fourth motor, and are driven as the four are.
+    fn further_motors(&self, table: &Table) -> Vec<String> {
+        let of = |motor| self.entries.iter().find(|entry| entry.quantity == Quantity::Motor(motor));
+        let [Some(m1), Some(m2), Some(m3), Some(m4)] = [0, 1, 2, 3].map(of).map(|of| of.map(|entry| &entry.column))
+        else {
+            return Vec::new();
+        };
+        let motors = [m1, m2, m3, m4].map(|column| table.column(column).unwrap_or_default());
+        let stem = |name: &str| numbered(name).map(|(stem, _)| stem);
+        let is_further = |name: &&str| ![m1, m2, m3, m4].iter().any(|own| *own == name) && stem(name) == stem(m1);
+        let is_driven = |name: &&str| table.column(name).is_some_and(|column| is_driven_with(column, &motors));
+        let further = table.fields().filter(|_| stem(m1).is_some()).filter(is_further).filter(is_driven);
+        further.map(str::to_owned).collect()
     }
 
     /// Half a set of motors is none, and beside motors axis commands are not used.
@@ -330,6 +352,12 @@ impl Drafting<'_> {
         let turns_z = contradiction.map_lines.iter().any(|line| line.from == z && line.sign < 0.0);
         turns_z && contradiction.map_lines.len() == 1 && self.frame == "FRD" && self.entries.iter().any(is_of_z)
     }
+}
+
+/// A motor's column that never changes drives nothing: another may be the motor's.
+fn is_idle_motor(entry: &Entry, table: &Table) -> bool {
+    let values = numbers(table, &entry.column);
+    matches!(entry.quantity, Quantity::Motor(_)) && values.windows(2).all(|pair| pair[0] == pair[1])
 }
 
 fn numbers(table: &Table, name: &str) -> Vec<f64> {

@@ -25,6 +25,7 @@ const ANGULAR: [&str; 2] = ["ang", "angular"];
 const ANGLES: [&str; 5] = ["heading", "attitude", "euler", "angle", "rpy"];
 /// What the receiver says is the pilot's, not the controller's.
 const RECEIVER: [&str; 3] = ["rc", "channel", "channels"];
+/// Of all motors together; beside a motor's word it is one motor's.
 const THRUST: [&str; 5] = ["thrust", "throttle", "collective", "thr", "t"];
 
 /// Words of motors' commands; of outputs, which are motors' where there are four; and of rotors' speeds.
@@ -33,6 +34,9 @@ const OUTPUT: [&str; 8] = ["out", "output", "outputs", "esc", "pwm", "u", "thrus
 const SPEED: [&str; 2] = ["rpm", "erpm"];
 /// What is measured at a motor and drives nothing.
 const AT_A_MOTOR: [&str; 5] = ["temp", "temperature", "current", "voltage", "power"];
+
+/// Words of times that are not the row's.
+const DURATIONS: [&str; 9] = ["execution", "exec", "loop", "cycle", "run", "delta", "latency", "sample", "step"];
 
 /// Words of a processor's clock, which yield to a time.
 const CLOCK: [&str; 4] = ["tick", "ticks", "millis", "micros"];
@@ -107,6 +111,8 @@ pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
     let is_turning = has(&RATE) || has(&ANGULAR) && has(&["vel", "velocity"]);
     let quantity = if first_is(&["t", "time", "timestamp", "elapsed", "clock", "seconds"]) && !has(&COMMAND) {
         Quantity::Time
+    } else if is_time_at_the_end(&words) && axis.is_none() {
+        return Some(Named { quantity: Quantity::Time, unit: unit_of(&words, Quantity::Time), rank: 3 });
     } else if first_is(&RECEIVER)
         || has(&ANGULAR) && has(&ACCELEROMETER)
         || has(&AT_A_MOTOR) && (has(&MOTOR) || has(&OUTPUT))
@@ -126,6 +132,8 @@ pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
         Quantity::Velocity(along)
     } else if has(&ACCELEROMETER) || first_is(&["ax", "ay", "az"]) {
         Quantity::Accel(axis?.0)
+    } else if has(&THRUST) && has(&MOTOR) {
+        return None;
     } else if has(&THRUST) && (has(&COMMAND) || has(&REFERENCE) || axis.is_none()) && !has(&["actuator"]) {
         Quantity::Thrust
     } else if has(&REFERENCE) {
@@ -154,6 +162,14 @@ pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
     };
     let rank = if quantity == Quantity::Thrust && !has(&COMMAND) { 2 } else { 1 };
     Some(Named { quantity, unit: unit_of(&words, quantity), rank })
+}
+
+/// A time that says before whose it is, `Current time [s]`, and none of how long something takes.
+fn is_time_at_the_end(words: &[String]) -> bool {
+    let is_any = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let unit = words.last().is_some_and(|last| ["s", "ms", "us", "sec"].contains(&last.as_str()));
+    let name = &words[..words.len() - usize::from(unit)];
+    name.last().is_some_and(|last| last == "time") && !is_any(&DURATIONS)
 }
 
 /// Along what a place is, north or east, of a Crazyflie's state estimate.
@@ -192,6 +208,11 @@ fn motor(words: &[String], family: Option<Family>, usual_first: usize) -> Option
     let driven = if is_speed { Quantity::Rpm } else { Quantity::Motor };
     if let Some(index) = of(&MOTOR) {
         return Some((driven(index), 1));
+    }
+    // the number of one of four may stand elsewhere: `Thrust motors T1`
+    let number = || words.iter().find_map(|word| word.trim_start_matches(char::is_alphabetic).parse::<usize>().ok());
+    if let Some(number) = number().filter(|_| of_four.is_some() && is_any(&MOTOR)) {
+        return Some((driven(number.checked_sub(first).filter(|index| *index < 4)?), 1));
     }
     if let Some(index) = of(&SPEED) {
         return Some((Quantity::Rpm(index), 1));
@@ -272,6 +293,8 @@ mod tests {
             ("pwm_bl", Quantity::Motor(1), None),
             ("m2_rads", Quantity::Rpm(1), None),
             ("baro_alt", Quantity::Height, None),
+            ("Current time [s]", Quantity::Time, Some("_s")),
+            ("sim_time", Quantity::Time, None),
         ] {
             let said = named(name, None).unwrap_or_else(|| panic!("{name}"));
             assert_eq!((said.quantity, said.unit), (quantity, unit), "{name}");
@@ -287,12 +310,19 @@ mod tests {
             "channels_roll",
             "motor1_temp",
             "esc_fl_voltage",
+            "Algorithm execution time [us]",
+            "loop_time_ms",
+            "thrust motor T1",
         ] {
             assert_eq!(named(name, None).map(|said| said.quantity), None, "{name}");
         }
         let three = Families::of(["heading[0]", "heading[1]", "heading[2]"].into_iter());
         let said = named("heading[0]", three.family("heading[0]")).unwrap();
         assert_eq!((said.quantity, said.unit), (Quantity::Angle(Roll), None));
+        let names = ["Thrust motors T1 [N]", "Thrust motors T2 [N]", "Thrust motors T3 [N]", "Thrust motors T4 [N]"];
+        let thrusts = Families::of(names.into_iter());
+        let said = named(names[2], thrusts.family(names[2])).unwrap();
+        assert_eq!(said.quantity, Quantity::Motor(2));
         let four = Families::of(["q0", "q1", "q2", "q3"].into_iter());
         assert_eq!(named("q1", four.family("q1")), None);
         assert!(is_command_of_some_axis("M_cmd_norm") && !is_command_of_some_axis("roll_cmd"));

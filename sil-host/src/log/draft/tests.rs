@@ -344,3 +344,54 @@ fn what_is_recognised_stays_where_the_commands_are_not() {
     }
     assert!(toml.contains("# not used: unit_a, unit_b"), "{toml}");
 }
+
+/// Six motors in step with the throttle, or four and two outputs for other things.
+#[test]
+fn six_motors_are_no_quadrotors() {
+    let table_of = |further: fn(f64) -> f64| {
+        table("t,gx,gy,gz,m1,m2,m3,m4,m5,m6", move |_, time_s| {
+            let throttle = 0.5 + wave(time_s, 0.2);
+            let motors = [0.01, 0.02, 0.03, 0.04].map(|trim| (throttle + trim).to_string()).join(",");
+            format!("{time_s},{0},{motors},{1},{1}", rates(time_s), further(throttle))
+        })
+    };
+    let draft = drafted(&table_of(|throttle| throttle - 0.02));
+    let said = "m5 and m6 move as its first four motors do: only quadrotors are simulated";
+    assert!(draft.problems.iter().any(|problem| problem == said), "{:?}", draft.problems);
+    let (toml, _) = read(&table_of(|_| 0.5));
+    assert!(toml.contains("motor4 = { column = \"m4\"") && toml.contains("# not used: m5, m6"), "{toml}");
+}
+
+/// Names that say more than they need, of a laboratory's own controller.
+#[test]
+fn plain_names_go_before_those_that_say_more() {
+    let thrusts: Vec<String> =
+        (1..=4).map(|motor| format!("Thrust motors normalized QUADCOPTER T{motor} [-]")).collect();
+    // a mode that did not fly
+    let idle: Vec<String> = thrusts.iter().map(|name| name.replace("normalized", "spare")).collect();
+    let header = format!(
+        "Initial timestamp, Current time [s], Wanted roll of the user [rad], Roll [rad], Pitch [rad], \
+         Angular velocity x [rad/s], Angular velocity y [rad/s], Algorithm execution time [us], {}, {}",
+        idle.join(", "),
+        thrusts.join(", ")
+    );
+    let text = table(&header, |row, time_s| {
+        let thrusts = [0.5, 0.51, 0.52, 0.53].map(|thrust| (thrust + wave(time_s, 0.02)).to_string()).join(",");
+        format!(
+            "17,{time_s},0.1,{},{},{},{},{row},0,0,0,0,{thrusts}",
+            wave(time_s, 0.2),
+            wave(time_s, 0.1),
+            0.1,
+            wave(time_s, 0.3)
+        )
+    });
+    let (toml, log) = read(&text);
+    for line in [
+        "time_s = { column = \"Current time [s]\"",
+        "roll_rad = { column = \"Roll [rad]\"",
+        "motor4 = { column = \"Thrust motors normalized QUADCOPTER T4 [-]\"",
+    ] {
+        assert!(toml.contains(line), "{line}\n{toml}");
+    }
+    assert_eq!(log.rows(), 150);
+}

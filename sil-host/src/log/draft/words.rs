@@ -126,7 +126,7 @@ impl Families {
 }
 
 /// A name without its first number, and that number.
-fn numbered(name: &str) -> Option<(String, usize)> {
+pub(super) fn numbered(name: &str) -> Option<(String, usize)> {
     let start = name.find(|c: char| c.is_ascii_digit())?;
     let digits =
         name[start..].find(|c: char| !c.is_ascii_digit()).map_or(&name[start..], |end| &name[start..start + end]);

@@ -42,11 +42,19 @@ fn motor(log: &Log, columns: &Columns<'_>) -> Option<Contradiction> {
         seen: format!(
             "{} stays at {} in all the log while the other motors' commands change",
             columns.called(Quantity::Motor(stuck)),
-            motors[stuck][0]
+            rounded(motors[stuck][0])
         ),
-        likely: "its command was likely not logged, or another column is it".to_owned(),
+        likely:
+            "its command was likely not logged, another column is it, or it was at its limit all the time, as in a \
+                 vehicle that tips over"
+                .to_owned(),
         ..Contradiction::default()
     })
+}
+
+/// As many digits as a reader compares.
+fn rounded(value: f64) -> f64 {
+    (1e4 * value).round() / 1e4
 }
 
 /// Do all values stay at the first one?
@@ -73,7 +81,7 @@ fn one(log: &Log, stuck: Quantity, moving: Quantity, columns: &Columns<'_>) -> O
         seen: format!(
             "{} stays at {} from {:.2} s to {:.2} s while {} moves",
             columns.called(stuck),
-            values[longest.start],
+            rounded(values[longest.start]),
             log.time_s[longest.start],
             log.time_s[longest.end - 1],
             columns.called(moving)

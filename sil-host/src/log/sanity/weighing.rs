@@ -92,11 +92,12 @@ fn unit(means: &Means, seen: &str, columns: &Columns<'_>) -> Option<Contradictio
         };
         Axis::ALL.map(line).into()
     };
-    let (likely, map_lines, leave_out) = if size.is_below(1.0 / between) {
+    let is_small = size.is_below(GRAVITY_M_S2 / between);
+    let (likely, map_lines, leave_out) = if is_small && size.value < 1.0 / between {
         // nearer to nothing than to 1 g in g
         let likely = "gravity is likely taken off; what is wanted is the specific force: leave the columns out";
         (likely, Vec::new(), Axis::ALL.map(Quantity::Accel).into())
-    } else if size.is_below(GRAVITY_M_S2 / between) {
+    } else if is_small {
         let likely = "the unit is likely g (or gravity is taken off: then leave the columns out)";
         (likely, lines("_g"), Vec::new())
     } else if size.is_above(GRAVITY_M_S2 * between) {
