@@ -12,8 +12,10 @@
 //! the gyro. A gust is such a torque. The controller answers to it, but only afterwards: where e is white up to beyond
 //! what the loop answers to, e now has nothing of what x answers to, and least squares is right in closed loop without
 //! an instrument (Ljung, System Identification, section 13.4). With a pole as slow as the loop it is not: e remembers
-//! the gust that x answers to, and the gain comes out too small. For any lag between two of the bank a mean of both neighbours' x is taken, so that sums of squares and of
-//! products of neighbours are all that has to be kept.
+//! the gust that x answers to, and the gain comes out too small.
+//!
+//! For any lag between two of the bank a mean of both neighbours' x is taken, so that sums of squares and of products
+//! of neighbours are all that has to be kept.
 
 use crate::elementary::exp;
 

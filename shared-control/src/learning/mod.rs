@@ -5,9 +5,9 @@
 //!   sums -> best fit and all that the data allow -> model -> MPC -> rehearsal -> taken over   aside, in idle time
 //! ```
 //! Samples count only while the shaped reference accelerates and shortly after: then the motors' torque is what the
-//! vehicle was told to do. In hover it answers to gusts and to noise alone, and the little of the answer that the filter
-//! leaves would be all that is learnt; so in hover nothing is learnt, and nothing forgotten. `docs/learning.md` has the
-//! reasons and what was measured.
+//! vehicle was told to do. In hover it answers to gusts and to noise alone, and what the filter leaves of their
+//! relation would be all that is learnt; so in hover nothing is learnt, and nothing forgotten. `docs/learning.md` has
+//! the reasons and what was measured.
 
 pub mod adoption;
 pub mod confidence;
