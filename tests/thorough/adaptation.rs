@@ -21,6 +21,17 @@ fn gain_and_lag_are_found_in_a_second_and_flown_with() {
     }
 }
 
+/// In gusts that the loop answers to: most vehicles have another model after the sequence, the gains' ranges hold, and
+/// four fifths of what the wrong model costs are given back.
+#[test]
+fn in_gusts_gain_and_lag_are_found_too() {
+    for (rig, tuned) in [(Rig::Gimbal, Tuned::Compared), (Rig::Free, Tuned::Shipped)] {
+        let row = row(rig, tuned, Weather::Gusts, 9001..=9012);
+        assert!(row.changed_pct > 50.0 && row.holds_pct[0] > 85.0, "{row:?}");
+        assert!(row.recovered_pct > 80.0 && row.worst_pct < 2.5 && row.lost[2] == 0, "{row:?}");
+    }
+}
+
 /// A vehicle that is what its controller knows, in a gusty hour of hover: nothing changes.
 #[test]
 fn an_hour_of_hover_teaches_nothing() {

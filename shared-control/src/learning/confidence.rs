@@ -7,7 +7,7 @@
 //!   chi^2(T) = sum over the axes of n/c (rest(T) / least rest - 1)
 //! ```
 //! The remaining errors of neighbouring samples are alike, so that n samples count as n/c. And they are not only noise:
-//! the controller answers to a gust, so that what the gust does stands beside a torque that goes with it, and least
+//! the controller answers to a gust, and where the filter leaves of the gust what the torque already answers to, least
 //! squares takes one for the other. If errors and torque are correlated by r, a gain is wrong by up to r times the
 //! root of remaining over explained sum, and a wrong lag may leave less than the right one by up to 4 r^2 of it. The
 //! set holds the lags whose chi^2 is within `SIGNIFICANT` and that of the least, and for each gain what goes with
@@ -23,8 +23,9 @@ pub const AXES: usize = 2;
 const ALIKE: f32 = 20.0;
 /// 95 of 100 of a chi^2 with one degree of freedom.
 const SIGNIFICANT: f32 = 4.0;
-/// r: how strongly torque and errors may go together.
-const FEEDBACK: f32 = 0.3;
+/// r: how strongly torque and errors may go together. In gusts of 0.2 N m no row of the campaign has a median beyond it
+/// (docs/learning.md).
+const FEEDBACK: f32 = 0.1;
 /// Least number of samples that anything is said of.
 const SAMPLES_MIN: f32 = 60.0;
 /// Parts of the interval between two lags of the bank.

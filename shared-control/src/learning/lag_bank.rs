@@ -9,8 +9,13 @@
 //! ```
 //! whose 1 - 1/z takes off what stays (a bias of the gyro has gone with the difference, a constant torque goes here),
 //! and which makes white what the observer of bandwidth p is for: a torque that walks at random under white noise of
-//! the gyro. For any lag between two of the bank a mean of both neighbours' x is taken, so that sums of squares and of
-//! products of neighbours are all that has to be kept.
+//! the gyro. A gust is such a torque. The controller answers to it, but only afterwards: where e is white up to beyond
+//! what the loop answers to, e now has nothing of what x answers to, and least squares is right in closed loop without
+//! an instrument (Ljung, System Identification, section 13.4). With a pole as slow as the loop it is not: e remembers
+//! the gust that x answers to, and the gain comes out too small.
+//!
+//! For any lag between two of the bank a mean of both neighbours' x is taken, so that sums of squares and of products
+//! of neighbours are all that has to be kept.
 
 use crate::elementary::exp;
 
