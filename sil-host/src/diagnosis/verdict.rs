@@ -176,11 +176,14 @@ pub(super) fn is_too_quick(lateness_s: Estimate) -> bool {
     lateness_s.value + ANSWERS_FROM * lateness_s.std < QUICKEST_S
 }
 
-/// Does an axis surely follow its command? What has no gain to fit has a model that says so.
+/// Does an axis surely follow its command? What has no gain to fit has a model that says so. Of what leans, yaw alone
+/// says nothing of how it does.
 fn answers(base: &[BaseTerm]) -> bool {
-    let of_gain = base.iter().filter(|term| term.effect == "input_gain");
-    let mut gains = of_gain.flat_map(|term| term.parameters.values()).peekable();
-    gains.peek().is_none() || gains.any(|gain| gain.value.abs() > ANSWERS_FROM * gain.std)
+    let gains: Vec<&BaseTerm> = base.iter().filter(|term| term.effect == "input_gain").collect();
+    let leans = |term: &&BaseTerm| term.axis != Some(Axis::Yaw.name());
+    let may_lean = gains.iter().any(leans);
+    let mut asked = gains.iter().filter(|term| !may_lean || leans(term)).flat_map(|term| term.parameters.values());
+    gains.is_empty() || asked.any(|gain| gain.value.abs() > ANSWERS_FROM * gain.std)
 }
 
 /// Findings of a search, most important first.
@@ -398,16 +401,21 @@ mod tests {
         let three = [60.0, 50.0, 40.0].map(|fit| channel(fit, true));
         assert_eq!(verdict(&[&three[..], &[channel(-1.0, true)]].concat()), Verdict::UnknownEffect);
         // nor is a model to be blamed for commands that show nothing, however well it fits
-        let gain = |value, std| BaseTerm {
+        let gain_of = |axis, value, std| BaseTerm {
             effect: "input_gain",
-            axis: Some("roll"),
+            axis: Some(axis),
             parameters: BTreeMap::from([("gain_rad_s2", Estimate { value, std })]),
             ordinary: true,
             extension: None,
         };
+        let gain = |value, std| gain_of("roll", value, std);
         let with = |base: &[BaseTerm]| Verdict::of(&[], base, &left, &[channel(60.0, true)]);
         assert_eq!(with(&[gain(30.0, 21.0), gain(10.0, 6.6)]), Verdict::NotShown);
         assert_eq!(with(&[gain(30.0, 21.0), gain(10.0, 4.0)]), Verdict::UnknownEffect);
+        // where roll and pitch are unknown, yaw's gain is no model of what leans; of what turns alone it is
+        let yaw = gain_of("yaw", 8.0, 3.1);
+        assert_eq!(with(&[gain(2.1, 3.0), yaw.clone()]), Verdict::NotShown);
+        assert_eq!(with(&[yaw]), Verdict::UnknownEffect);
         // a vehicle that hardly moved is neither
         let still = ChannelStatistics { moved: false, ..channel(-50.0, false) };
         assert_eq!(verdict(&[still]), Verdict::UnknownEffect);

@@ -108,7 +108,9 @@ fn all_wanted(messages: &Messages) -> Result<(), String> {
             "its messages {name} carry no times, as those of ArduCopter until 2013: nobody knows when"
         ));
     }
-    if has(&["RCOU"]) && has(&["IMU", "ATT", "XKF1", "NKF1", "EKF1", "AHR2"]) {
+    // every log begins with the parameters: without them it is the head of one, and says nothing of its settings
+    let is_head = messages.parameters.is_empty();
+    if is_head || has(&["RCOU"]) && has(&["IMU", "ATT", "XKF1", "NKF1", "EKF1", "AHR2"]) {
         return Ok(());
     }
     let wanted = [("IMU", "IMU (body rates)"), ("ATT", "ATT (angles)"), ("RCOU", "RCOU (motors)")];
