@@ -68,6 +68,9 @@ fn print_case(outcome: &Outcome) {
         outcome.signature
     );
     if let Some(beside) = &outcome.beside_reality {
+        if let Some(share) = beside.shown {
+            println!("     {:.1} % of the error hangs on the cause", 100.0 * share);
+        }
         for (figure, truth, told) in beside.figures.iter().filter(|figure| !BesideReality::holds(figure)) {
             println!("     {figure:?}: {truth:.4}, told {told}");
         }

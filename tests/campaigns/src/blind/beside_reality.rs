@@ -2,16 +2,21 @@
 //! of the numbers is wrong.
 
 use sil_host::diagnosis::{Diagnosis, Estimate};
+use sil_host::log::Log;
 use sil_host::model::VehicleModel;
 
 use super::behaviour::{Figure, Named, inertia};
 use super::case::Case;
 use super::reality::Reality;
+use super::shown::shown;
 
 /// Standard deviations that 95 % lie within.
 const INTERVAL: f64 = 1.96;
 /// A number is wrong beyond so many standard deviations and this share of itself.
 const WRONG: (f64, f64) = (3.0, 0.25);
+
+/// Share of the error from which on a cause has to be named: a finding must gain 2 %, and near that it is chance.
+const NAMED_FROM: f64 = 0.05;
 
 /// What the wrong constants of the file are called, where they are found.
 const OF_THE_FILE: [&str; 2] = ["thrust_scale", "inertia_error"];
@@ -19,6 +24,8 @@ const OF_THE_FILE: [&str; 2] = ["thrust_scale", "inertia_error"];
 /// An answer beside what was drawn.
 #[derive(Clone, Debug)]
 pub struct BesideReality {
+    /// Share of the held-out error that hangs on the cause ([`super::shown`]); none where there is none.
+    pub shown: Option<f64>,
     /// Each figure: truth, and what follows from the answer.
     pub figures: Vec<(Figure, f64, Estimate)>,
     /// Findings that are told as certain and are not there.
@@ -28,7 +35,7 @@ pub struct BesideReality {
 }
 
 impl BesideReality {
-    pub(super) fn of(case: &Case, reality: &Reality, answer: &Diagnosis) -> BesideReality {
+    pub(super) fn of(case: &Case, reality: &Reality, log: &Log, answer: &Diagnosis) -> BesideReality {
         let truth: Vec<Named> = case.vehicle.effects.iter().map(|effect| Named::of_short(&effect.to_short())).collect();
         let named = Named::of_answer(answer);
         let half_s = 0.5 * case.conditions.duration_s;
@@ -57,13 +64,19 @@ impl BesideReality {
                 None => false_names.push(own.label()),
             }
         }
-        BesideReality { figures: Figure::ALL.map(figure).into(), false_names, wrong_sizes }
+        let figures = Figure::ALL.map(figure).into();
+        BesideReality { shown: shown(case, log), figures, false_names, wrong_sizes }
     }
 
     /// Does an interval hold the truth, or is the error nobody's concern?
     pub fn holds((figure, truth, told): &(Figure, f64, Estimate)) -> bool {
         let error = (told.value - truth).abs();
         error <= INTERVAL * told.std || error <= figure.negligible(*truth)
+    }
+
+    /// True if the log shows the cause well enough for it to be named.
+    pub fn is_shown(&self) -> bool {
+        self.shown.is_some_and(|share| share >= NAMED_FROM)
     }
 
     /// True if all figures are right.

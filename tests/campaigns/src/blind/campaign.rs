@@ -129,7 +129,7 @@ impl Campaign {
                 ("value +- 1.96 std holds the truth", "", score.covered()),
             ],
             Campaign::Reality => vec![
-                ("cause named", "95 %", score.all_named()),
+                ("cause named, of those that the log shows", "95 %", score.shown_is_named()),
                 ("nothing false told as certain", "95 %", score.nothing_false()),
                 ("lag and delay, lift, trims all right", "95 %", score.base_is_right()),
             ],

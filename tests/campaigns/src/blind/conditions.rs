@@ -159,9 +159,16 @@ impl Conditions {
     /// # Panics
     /// If the log can't be predicted.
     pub fn ratio(&self, log: &Log) -> f64 {
-        let nominal = self.vehicle(&[]);
+        self.ratio_under(log, &self.vehicle(&[]))
+    }
+
+    /// The same of any model.
+    ///
+    /// # Panics
+    /// If the log can't be predicted.
+    pub fn ratio_under(&self, log: &Log, model: &VehicleModel) -> f64 {
         let control_rate_hz = Some(f64::from(self.control_rate_hz));
-        let prediction = nominal_prediction(log, &Subject::Vehicle(&nominal), control_rate_hz).expect("a whole log");
+        let prediction = nominal_prediction(log, &Subject::Vehicle(model), control_rate_hz).expect("a whole log");
         let predicted = prediction.predicted;
         let ratios = predicted.channels().filter_map(|channel| Some(predicted.error(channel)?.ratio()));
         let squares: Vec<f64> = ratios.map(|ratio| ratio * ratio).collect();

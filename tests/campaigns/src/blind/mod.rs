@@ -15,6 +15,7 @@ mod outcome;
 mod outside;
 mod reality;
 mod score;
+mod shown;
 
 pub use behaviour::{Figure, Named};
 pub use beside_reality::BesideReality;

@@ -92,10 +92,10 @@ impl Outcome {
             let [errors, _] = truth.predicted.channel_errors();
             Gain::of(&answer, &errors)
         });
-        Outcome::beside_truth(case, &answer, gain)
+        Outcome::beside_truth(case, &log, &answer, gain)
     }
 
-    fn beside_truth(case: &Case, answer: &Diagnosis, gain: Option<Gain>) -> Outcome {
+    fn beside_truth(case: &Case, log: &Log, answer: &Diagnosis, gain: Option<Gain>) -> Outcome {
         let mut left: Vec<&Finding> = answer.findings.iter().collect();
         let (mut named, mut sizes) = (0, Vec::new());
         // those named by their own names first, then those that another may stand for
@@ -138,19 +138,20 @@ impl Outcome {
             signature: answer.unexplained.signature.clone(),
             signature_is_right: case.outside.is_some_and(|it| it.is_named_by(&answer.unexplained.signature)),
             gain,
-            beside_reality: case.reality.as_ref().map(|reality| BesideReality::of(case, reality, answer)),
+            beside_reality: case.reality.as_ref().map(|reality| BesideReality::of(case, reality, log, answer)),
         }
     }
 
-    /// True if all that is hidden is named and nothing else (of a vehicle that imitates a real one: nothing else as
-    /// certain, and the base right), and if something from outside the catalogue is not taken
-    /// for explained.
+    /// True if all that is hidden is named and nothing else (of a vehicle that imitates a real one: if the log shows it,
+    /// nothing else as certain, and the base right), and if something from outside the catalogue is not taken for
+    /// explained.
     pub fn is_right(&self) -> bool {
         if self.is_outside {
             return matches!(self.verdict, Verdict::UnknownEffect | Verdict::PartlyExplained);
         }
         if let Some(beside) = &self.beside_reality {
-            return self.all_named() && beside.false_names.is_empty() && beside.base_is_right();
+            let is_named = self.all_named() || !beside.is_shown();
+            return is_named && beside.false_names.is_empty() && beside.base_is_right();
         }
         self.all_named() && self.false_findings == 0 && self.first_is_right != self.hidden.is_empty()
     }

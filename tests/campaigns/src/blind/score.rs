@@ -14,6 +14,9 @@ const INTERVAL: f64 = 1.96;
 /// Ends of the classes of held-out error over noise floor.
 const CLASSES: [f64; 6] = [0.0, 2.0, 3.0, 5.0, 7.0, f64::INFINITY];
 
+/// Ends of the classes of the share of the held-out error that hangs on a cause.
+const SHARES: [f64; 6] = [f64::NEG_INFINITY, 0.02, 0.05, 0.1, 0.3, f64::INFINITY];
+
 /// One number of a gain.
 type GainFigure = fn(Gain) -> f64;
 
@@ -90,6 +93,33 @@ impl Score {
         limits.map(|limit| share(gains().map(limit)))
     }
 
+    /// Share of the causes that show in vehicles that imitate real ones which are named.
+    pub fn shown_is_named(&self) -> f64 {
+        let is_shown = |outcome: &&Outcome| outcome.beside_reality.as_ref().is_some_and(|beside| beside.is_shown());
+        share(self.outcomes.iter().filter(is_shown).map(Outcome::all_named))
+    }
+
+    /// The naming rate of their causes over the share of the held-out error that hangs on them.
+    fn by_share_shown(&self) -> String {
+        let mut text = "| share of the error that hangs on the cause, % | cases | named |\n|---|---|---|\n".to_owned();
+        for ends in SHARES.windows(2) {
+            let is_in = |outcome: &&Outcome| {
+                let shown = outcome.beside_reality.as_ref().and_then(|beside| beside.shown);
+                shown.is_some_and(|share| (ends[0]..ends[1]).contains(&share))
+            };
+            let class: Vec<&Outcome> = self.outcomes.iter().filter(is_in).collect();
+            let named = class.iter().filter(|outcome| outcome.all_named()).count();
+            let [from, to] = [ends[0], ends[1]].map(|end| 100.0 * end);
+            let name = match (from.is_finite(), to.is_finite()) {
+                (false, _) => format!("up to {to:.0}"),
+                (_, false) => format!("{from:.0} up"),
+                _ => format!("{from:.0} to {to:.0}"),
+            };
+            let _ = writeln!(text, "| {name} | {} | {named} |", class.len());
+        }
+        text
+    }
+
     /// Share of vehicles that imitate real ones of which nothing false is told as certain.
     pub fn nothing_false(&self) -> f64 {
         self.share(|outcome| outcome.beside_reality.as_ref().is_some_and(|beside| beside.false_names.is_empty()))
@@ -131,7 +161,7 @@ impl Score {
         for ((what, name), cases) in counts {
             let _ = writeln!(text, "| {name} | {what} | {cases} |");
         }
-        text + "\n" + &self.confusion()
+        text + "\n" + &self.by_share_shown() + "\n" + &self.confusion()
     }
 
     /// How held-out errors lie: median, 95 % and largest of each figure.
