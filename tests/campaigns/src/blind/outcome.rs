@@ -142,8 +142,8 @@ impl Outcome {
         }
     }
 
-    /// True if all that is hidden is named and nothing else (of a vehicle that imitates a real one: if the log shows it,
-    /// nothing else as certain, and the base right), and if something from outside the catalogue is not taken for
+    /// True if all that is hidden is named and nothing else (of a vehicle that imitates a real one: if the log shows
+    /// it, nothing else as certain, and the base right), and if something from outside the catalogue is not taken for
     /// explained.
     pub fn is_right(&self) -> bool {
         if self.is_outside {

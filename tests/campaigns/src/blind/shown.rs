@@ -34,7 +34,7 @@ fn least_error(case: &Case, log: &Log, effects: &[String]) -> f64 {
     };
     let here = error([0.0, 0.0]);
     let [[up, down], [right, left]] =
-        [[[1.0, 0.0], [-1.0, 0.0]], [[0.0, 1.0], [0.0, -1.0]]].map(|pair| pair.map(|steps| error(steps)));
+        [[[1.0, 0.0], [-1.0, 0.0]], [[0.0, 1.0], [0.0, -1.0]]].map(|pair| pair.map(&error));
     let both = error([1.0, 1.0]);
     let slope = [0.5 * (up - down), 0.5 * (right - left)];
     let [aa, bb] = [up + down - 2.0 * here, right + left - 2.0 * here];
