@@ -14,8 +14,8 @@ const INTERVAL: f64 = 1.96;
 /// Ends of the classes of held-out error over noise floor.
 const CLASSES: [f64; 6] = [0.0, 2.0, 3.0, 5.0, 7.0, f64::INFINITY];
 
-/// Ends of the classes of the share of the held-out error that hangs on a cause.
-const SHARES: [f64; 6] = [f64::NEG_INFINITY, 0.02, 0.05, 0.1, 0.3, f64::INFINITY];
+/// Ends of the classes of the share of the held-out error that hangs on a cause, %.
+const SHARES_PCT: [f64; 6] = [f64::NEG_INFINITY, 2.0, 5.0, 10.0, 30.0, f64::INFINITY];
 
 /// One number of a gain.
 type GainFigure = fn(Gain) -> f64;
@@ -101,21 +101,29 @@ impl Score {
 
     /// The naming rate of their causes over the share of the held-out error that hangs on them.
     fn by_share_shown(&self) -> String {
-        let mut text = "| share of the error that hangs on the cause, % | cases | named |\n|---|---|---|\n".to_owned();
-        for ends in SHARES.windows(2) {
-            let is_in = |outcome: &&Outcome| {
-                let shown = outcome.beside_reality.as_ref().and_then(|beside| beside.shown);
-                shown.is_some_and(|share| (ends[0]..ends[1]).contains(&share))
-            };
+        let shown_pct = |outcome: &Outcome| Some(100.0 * outcome.beside_reality.as_ref()?.shown?);
+        let head = "| share of the error that hangs on the cause, % | cases | named |\n|---|---|---|\n";
+        head.to_owned() + &self.classes(&SHARES_PCT, shown_pct, Outcome::all_named)
+    }
+
+    /// A line for each class of some figure: its ends, its cases, and how many of these are right.
+    fn classes(
+        &self,
+        ends: &[f64],
+        figure: impl Fn(&Outcome) -> Option<f64>,
+        is_right: impl Fn(&Outcome) -> bool,
+    ) -> String {
+        let mut text = String::new();
+        for ends in ends.windows(2) {
+            let is_in = |outcome: &&Outcome| figure(outcome).is_some_and(|value| (ends[0]..ends[1]).contains(&value));
             let class: Vec<&Outcome> = self.outcomes.iter().filter(is_in).collect();
-            let named = class.iter().filter(|outcome| outcome.all_named()).count();
-            let [from, to] = [ends[0], ends[1]].map(|end| 100.0 * end);
-            let name = match (from.is_finite(), to.is_finite()) {
-                (false, _) => format!("up to {to:.0}"),
-                (_, false) => format!("{from:.0} up"),
-                _ => format!("{from:.0} to {to:.0}"),
+            let right = class.iter().filter(|outcome| is_right(outcome)).count();
+            let name = match (ends[0].is_finite(), ends[1].is_finite()) {
+                (false, _) => format!("up to {}", ends[1]),
+                (_, false) => format!("{} up", ends[0]),
+                _ => format!("{} to {}", ends[0], ends[1]),
             };
-            let _ = writeln!(text, "| {name} | {} | {named} |", class.len());
+            let _ = writeln!(text, "| {name} | {} | {right} |", class.len());
         }
         text
     }
@@ -186,15 +194,8 @@ impl Score {
 
     /// The naming rate over the effects' size.
     pub fn by_size(&self) -> String {
-        let mut text = "| error / floor | cases | right |\n|---|---|---|\n".to_owned();
-        for ends in CLASSES.windows(2) {
-            let class: Vec<&Outcome> = self.outcomes.iter().filter(|o| (ends[0]..ends[1]).contains(&o.ratio)).collect();
-            let right = class.iter().filter(|outcome| outcome.first_is_right).count();
-            let name =
-                if ends[1].is_finite() { format!("{} to {}", ends[0], ends[1]) } else { format!("{} up", ends[0]) };
-            let _ = writeln!(text, "| {name} | {} | {right} |", class.len());
-        }
-        text
+        let head = "| error / floor | cases | right |\n|---|---|---|\n";
+        head.to_owned() + &self.classes(&CLASSES, |outcome| Some(outcome.ratio), |outcome| outcome.first_is_right)
     }
 
     /// What was taken for what: hidden effects without axis and motor, and the first findings.
