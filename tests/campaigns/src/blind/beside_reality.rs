@@ -24,7 +24,7 @@ const OF_THE_FILE: [&str; 2] = ["thrust_scale", "inertia_error"];
 /// An answer beside what was drawn.
 #[derive(Clone, Debug)]
 pub struct BesideReality {
-    /// Share of the held-out error that hangs on the cause ([`super::shown`]); none where there is none.
+    /// Share of the held-out error that hangs on the cause, as `blind::shown` measures it; none where there is none.
     pub shown: Option<f64>,
     /// Each figure: truth, and what follows from the answer.
     pub figures: Vec<(Figure, f64, Estimate)>,
