@@ -12,7 +12,7 @@ const DRAWS: usize = 2000;
 /// Windows in a block: of the held-out ones 8 s, four positions of the test sequence.
 const BLOCK: usize = 4;
 /// With fewer windows than three blocks there is no interval.
-const WINDOWS_MIN: usize = 3 * BLOCK;
+pub(super) const WINDOWS_MIN: usize = 3 * BLOCK;
 /// The same log gets the same interval.
 const SEED: u64 = 1;
 

@@ -10,7 +10,7 @@
 use rayon::prelude::*;
 
 use crate::axis::Axis;
-use crate::diagnosis::block_bootstrap::{interval, interval_of_one};
+use crate::diagnosis::block_bootstrap::{WINDOWS_MIN, interval, interval_of_one};
 use crate::diagnosis::fitting::bounded_step::BoundedStep;
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, with_priors};
 use crate::diagnosis::fitting::linearisation::Normal;
@@ -19,9 +19,9 @@ use crate::diagnosis::search::Search;
 use crate::diagnosis::usual::may_be_found;
 use crate::diagnosis::yardstick::{Errors, squared_errors};
 use crate::effects::Unknown;
-use crate::prediction::Window;
 use crate::prediction::accuracy::{ErrorOf, predict, root_mean_square, tallies};
 use crate::prediction::windowed_log::Driven;
+use crate::prediction::{Channel, Window};
 
 /// Share of the error that a finding must take away.
 const SHARE_MIN: f64 = 0.02;
@@ -80,15 +80,14 @@ pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) ->
     }
     let (base, mut with) = (Judged::of(search, base), Judged::of(search, chosen));
     loop {
-        let worse: Vec<usize> =
-            (0..with.errors.len()).filter(|i| is_surely_better(&with.errors[*i..=*i], &base.errors[*i..=*i])).collect();
+        let worse: Vec<usize> = surely_better_ones(&with.errors, &base.errors).collect();
         let mut removable = Vec::new();
         for index in search.always.len()..with.fit.terms.len() {
             let without = with.without(search, &[index]);
             let gains = change(&without.errors, &with.errors);
             let mends = worse.iter().map(|i| -change(&with.errors[*i..=*i], &without.errors[*i..=*i]));
             let mends = mends.fold(0.0, f64::max);
-            if !pays(&without, &with) || mends > 0.0 {
+            if !pays(search, &with.fit.terms[index], &without, &with) || mends > 0.0 {
                 removable.push((gains + mends, without));
             }
         }
@@ -105,7 +104,10 @@ pub(super) fn first_that_helps<'e>(search: &Search<'e>, smaller: &Fit<'e>, large
         return None;
     }
     let without = Judged::of(search, smaller.clone());
-    larger.iter().position(|larger| pays(&without, &Judged::of(search, (*larger).clone())))
+    let pays = |larger: &&Fit<'e>| {
+        larger.terms.last().is_some_and(|added| pays(search, added, &without, &Judged::of(search, (*larger).clone())))
+    };
+    larger.iter().position(pays)
 }
 
 /// Places of those of the base model's terms that are findings too: they pay as a finding must.
@@ -118,11 +120,12 @@ pub(super) fn unusual_terms<'e>(
     // where the fit of the rest has other optima, a term of no size may seem to pay
     let places = (search.gains.len()..search.always.len()).filter(|index| may_be(&chosen.terms[*index]));
     let large = places.filter(|index| deviations(chosen, *index) > SIGMAS).collect();
+    let is_paid = |index: usize, without: &Judged<'e>| pays(search, &chosen.terms[index], without, &with);
     // a fit of the rest leaves less than is expected of it
     let may_pay = may_be_found(search, chosen, large)
         .into_iter()
-        .filter(|index| pays(&with.expected_without(search, &[*index]), &with));
-    may_pay.filter(|index| pays(&with.without(search, &[*index]), &with)).collect()
+        .filter(|index| is_paid(*index, &with.expected_without(search, &[*index])));
+    may_pay.filter(|index| is_paid(*index, &with.without(search, &[*index]))).collect()
 }
 
 /// The finding whose numbers are no further from what changes nothing than chance explains, the most doubtful of
@@ -147,11 +150,42 @@ fn deviations(fit: &Fit<'_>, index: usize) -> f64 {
     surest.max(square / fit.variance_along(&together).max(f64::MIN_POSITIVE).sqrt())
 }
 
-/// Does a model pay for what another lacks: a share of the error, beyond chance? What puts one channel right is not to
-/// be lost in the chance of all the others.
-fn pays(without: &Judged<'_>, with: &Judged<'_>) -> bool {
+/// Does a model pay for a term that another lacks: a share of the error, beyond chance? What puts one channel right is
+/// not to be lost in the chance of all the others.
+fn pays(search: &Search<'_>, term: &Term<'_>, without: &Judged<'_>, with: &Judged<'_>) -> bool {
     let (without, with) = (&without.errors, &with.errors);
-    change(without, with) < -SHARE_MIN && (is_surely_better(without, with) || is_surely_better_in_one(without, with))
+    change(without, with) < -SHARE_MIN
+        && (is_surely_better(without, with) || surely_better_ones(without, with).next().is_some())
+        && dry_friction(term).is_none_or(|axis| brakes_what_turns(search, axis, without, with))
+}
+
+/// The axis that a term brakes the same at any rate.
+fn dry_friction(term: &Term<'_>) -> Option<Axis> {
+    term.effect.axis().filter(|_| term.effect.name() == "coulomb_friction")
+}
+
+/// Is a rate predicted better beyond chance where it is large? At rest the commands hold against gusts: what seems to
+/// keep the vehicle where it is, open loop, may be the gust that they answer, and over half a second a vehicle that
+/// rests in gusts seems to be held by dry friction (on a hundred vehicles that imitate reality all that was false was
+/// that). While it turns, and over a tenth of a second, a friction that is not there makes the prediction worse.
+fn brakes_what_turns(search: &Search<'_>, axis: Axis, without: &[Errors], with: &[Errors]) -> bool {
+    let log = &search.shooting.log;
+    let rate = Channel::Rate(axis);
+    let Some((place, measured)) = log.compared().position(|(channel, _)| channel == rate).zip(log.measured(rate))
+    else {
+        return true;
+    };
+    let square = |index: &usize| {
+        let Window { start, end, .. } = log.windows[*index];
+        measured[start..end].iter().map(|rate| rate * rate).sum::<f64>() / (end - start).max(1) as f64
+    };
+    let squares: Vec<f64> = search.unreported().iter().map(square).collect();
+    let mut turning: Vec<usize> = (0..squares.len()).collect();
+    turning.sort_by(|a, b| squares[*b].total_cmp(&squares[*a]));
+    turning.truncate(squares.len().div_ceil(2).max(WINDOWS_MIN));
+    turning.sort_unstable();
+    let of = |errors: &[Errors]| vec![turning.iter().map(|window| errors[place][*window]).collect()];
+    is_surely_better(&of(without), &of(with))
 }
 
 /// Mean relative change of all errors from one model to another, as a logarithm.
@@ -166,10 +200,11 @@ fn change_over(windows: &[usize], from: &[Errors], to: &[Errors]) -> f64 {
     changes.sum::<f64>() / from.len().max(1) as f64
 }
 
-/// Is the second better in one channel at one horizon, beyond the chance that there is with as many of them?
-fn is_surely_better_in_one(from: &[Errors], to: &[Errors]) -> bool {
+/// In which channels, at which horizon, is the second better, beyond the chance that there is with as many of them?
+fn surely_better_ones(from: &[Errors], to: &[Errors]) -> impl Iterator<Item = usize> {
     let windows = from.first().map_or(0, Vec::len);
-    (0..from.len()).any(|one| {
+    (0..from.len()).filter(move |one| {
+        let one = *one;
         let (from_one, to_one) = (&from[one..=one], &to[one..=one]);
         change(from_one, to_one) < 0.0
             && interval_of_one(windows, from.len(), |drawn| change_over(drawn, from_one, to_one))

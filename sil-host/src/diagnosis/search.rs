@@ -226,7 +226,7 @@ impl<'e> Search<'e> {
     }
 
     /// All windows but those of the report.
-    fn unreported(&self) -> Vec<usize> {
+    pub(super) fn unreported(&self) -> Vec<usize> {
         self.shooting.log.part(&[Part::Fit, Part::Choice])
     }
 
