@@ -203,8 +203,7 @@ fn change_over(windows: &[usize], from: &[Errors], to: &[Errors]) -> f64 {
 /// In which channels, at which horizon, is the second better, beyond the chance that there is with as many of them?
 fn surely_better_ones(from: &[Errors], to: &[Errors]) -> impl Iterator<Item = usize> {
     let windows = from.first().map_or(0, Vec::len);
-    (0..from.len()).filter(move |one| {
-        let one = *one;
+    (0..from.len()).filter(move |&one| {
         let (from_one, to_one) = (&from[one..=one], &to[one..=one]);
         change(from_one, to_one) < 0.0
             && interval_of_one(windows, from.len(), |drawn| change_over(drawn, from_one, to_one))
