@@ -337,7 +337,7 @@ mod tests {
         let certain = finding("actuation_delay", None, &[("delay_s", 0.0123, 1e-4)]);
         let one_of = vec!["actuation_delay".to_owned(), "nothing".to_owned()];
         let of_several = Finding { one_of, ..certain.clone() };
-        let confounded = Finding { confounded_with: vec!["motor_lag"], ..certain.clone() };
+        let confounded = Finding { confounded_with: vec!["motor_lag".to_owned()], ..certain.clone() };
         let said = [&certain, &of_several, &confounded].map(|of| doubted(of).replace(NO_BREAK, " "));
         let doubt = "It may be that commands act 12 ms later than in the model";
         assert_eq!(said, ["Commands act 12 ms later than in the model", doubt, doubt]);

@@ -43,7 +43,7 @@ pub(super) const IN_THE_AIR: &str = "speed_stability";
 pub(super) const INERTIA: &str = "inertia_error";
 
 /// Lag and delay beside gains that a regression gave, s.
-const USUAL_LAG_AND_DELAY_S: [f64; 2] = [0.03, 0.01];
+pub(super) const USUAL_LAG_AND_DELAY_S: [f64; 2] = [0.03, 0.01];
 
 /// Moment over airspeed and inertia, rad/s² per m/s: how far from none it may be before a log is seen. Crazyflies,
 /// among the smallest vehicles, have 6 to 13, one of ArduPilot's 0.7 (docs/real-logs.md).
@@ -184,7 +184,7 @@ pub(super) fn modelled_from<'e>(search: &Search<'e>, ordinary: &'e [Fitted], bes
 }
 
 fn without_harm<'e>(search: &Search<'e>, base: Fit<'e>) -> Fit<'e> {
-    judge::useful(search, search.refitted(base.terms, &base.starts))
+    judge::useful(search, search.refitted(base.terms, &base.starts), 0)
 }
 
 /// Does a command turn an axis the other way than a regression of accelerations has it? Under control a command is what
@@ -285,6 +285,6 @@ pub(super) fn terms(search: &Search<'_>, found: &Found<'_>) -> Vec<BaseTerm> {
 }
 
 /// Does a base model hold an axis level by a constant moment?
-pub(super) fn is_trimmed(base: &Fit<'_>, axis: Option<Axis>) -> bool {
-    base.terms.iter().any(|term| term.effect.name() == "torque_bias" && term.effect.axis() == axis)
+pub(super) fn is_trimmed(base: &[Term<'_>], axis: Option<Axis>) -> bool {
+    base.iter().any(|term| term.effect.name() == "torque_bias" && term.effect.axis() == axis)
 }

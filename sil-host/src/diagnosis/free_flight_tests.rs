@@ -138,7 +138,7 @@ fn in_hover_without_velocity_weight_and_lift_are_confounded() {
     let [finding] = &answer.findings[..] else { panic!("{:?}", answer.findings) };
     let both = ["mass_error", "thrust_scale"];
     assert!(both.contains(&finding.effect), "{finding:?}");
-    assert!(finding.confounded_with.iter().any(|name| both.contains(name)), "{finding:?}");
+    assert!(finding.confounded_with.iter().any(|name| both.contains(&name.as_str())), "{finding:?}");
 }
 
 /// Each effect of a model file is predicted or refused, never left out.

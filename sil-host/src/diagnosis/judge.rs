@@ -41,12 +41,13 @@ struct Judged<'e> {
 
 /// Takes out of a base model what makes its predictions worse beyond chance, one by one and all of an axis at once: a
 /// trim with the brake that goes with it may do harm together that neither does alone. That commands act late is no
-/// question: lag and delay are hard to tell apart, and one without the other takes up more than its own.
-pub(super) fn useful<'e>(search: &Search<'e>, base: Fit<'e>) -> Fit<'e> {
+/// question: lag and delay are hard to tell apart, and one without the other takes up more than its own. Causes that
+/// are known, the last of the terms, stay.
+pub(super) fn useful<'e>(search: &Search<'e>, base: Fit<'e>, causes: usize) -> Fit<'e> {
     let mut with = Judged::of(search, base);
     loop {
         let may_go = |index: &usize| !with.fit.terms[*index].effect.is_late();
-        let places: Vec<usize> = (search.gains.len()..with.fit.terms.len()).filter(may_go).collect();
+        let places: Vec<usize> = (search.gains.len()..with.fit.terms.len() - causes).filter(may_go).collect();
         let expected = sets(&with.fit, &places).into_iter().map(|set| {
             let other = with.expected_without(search, &set);
             (set, other)
@@ -179,7 +180,7 @@ fn brakes_what_turns(search: &Search<'_>, axis: Axis, without: &[Errors], with: 
         let Window { start, end, .. } = log.windows[*index];
         measured[start..end].iter().map(|rate| rate * rate).sum::<f64>() / (end - start).max(1) as f64
     };
-    let squares: Vec<f64> = search.unreported().iter().map(square).collect();
+    let squares: Vec<f64> = search.unreported.iter().map(square).collect();
     let mut turning: Vec<usize> = (0..squares.len()).collect();
     turning.sort_by(|a, b| squares[*b].total_cmp(&squares[*a]));
     turning.truncate(squares.len().div_ceil(2).max(WINDOWS_MIN));

@@ -17,6 +17,7 @@
 
 mod base;
 mod baseline;
+mod beside_base;
 mod block_bootstrap;
 pub mod controller;
 mod denied;
@@ -69,6 +70,7 @@ pub use baseline::{
     AtVoltage, Baseline, BaselineDiagnosis, BetweenFlights, Compared, Difference, FlightNumbers, Given, NotComparable,
     NumberOf, compare_flights, diagnose_against, motor_place,
 };
+use beside_base::{BASES_MAX, BesideBase};
 pub use estimate::Estimate;
 pub use evidence::bootstrap::Gain;
 pub use evidence::conditions::{Condition, Spectrum};
@@ -82,7 +84,7 @@ use evidence::warnings::Shown;
 pub use extension::{NotExtended, extended_model};
 use fitted::Fitted;
 pub use fitted::per_unit_inertia;
-use fitting::fit::{Fit, as_terms, model_of};
+use fitting::fit::{as_terms, model_of};
 use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
@@ -299,22 +301,16 @@ fn searched<T>(
     let (shooting, in_sensors) = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
     let base = base::modelled(&search, &ordinary, &in_sensors);
-    let beside = |search: Search<'_>, base: &Fit<'_>| {
-        let beside = Fitted::beside(&scope, |axis| base::is_trimmed(base, axis));
-        let hypotheses = known.leaves(sensors.informed(beside));
-        let search = search.from(base, &hypotheses);
-        let found = search.run();
-        conclude(&search, found)
-    };
+    let beside = BesideBase { scope: &scope, known, sensors: &sensors, ordinary: &ordinary };
     match holding::in_lasting_noise(log, subject, &search, &ordinary, &base)? {
         Some(lasting) if lasting.denies => {
             let search = Search::new(&lasting.shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
             let base = base::modelled_from(&search, &ordinary, &lasting.numbers);
-            Ok(beside(search, &base))
+            Ok(beside.search(search, &base.terms, BASES_MAX, conclude))
         }
         lasting => {
             let lasting_gains = lasting.map_or_else(Vec::new, |lasting| lasting.gains);
-            Ok(beside(search.with_lasting_gains(lasting_gains), &base))
+            Ok(beside.search(search.with_lasting_gains(lasting_gains), &base.terms, BASES_MAX, conclude))
         }
     }
 }

@@ -17,16 +17,11 @@ pub(super) struct Scored<'e> {
     /// How far the effect would lower the training windows' sum of squares, to first order.
     pub(super) score: f64,
     pub(super) terms: Vec<Term<'e>>,
-    /// Slopes along its numbers, window by window, where it changes nothing yet.
+    /// Slopes along its numbers, window by window; none where its fit begins at values that change something already,
+    /// and not what they should.
     pub(super) slopes: Option<Vec<Vec<Residuals>>>,
-}
-
-impl Scored<'_> {
-    /// Does its fit begin where the effect changes something already, and not what it should? To first order a limit of
-    /// the commands that is far from the true one explains little, however much the true one would.
-    pub(super) fn begins_far_off(&self) -> bool {
-        self.slopes.is_none()
-    }
+    /// Is it worth a fit whatever its score?
+    pub(super) in_any_case: bool,
 }
 
 impl<'e> Search<'e> {
@@ -54,11 +49,15 @@ impl<'e> Search<'e> {
         }
         scored.sort_by(|a, b| b.score.total_cmp(&a.score));
         scored.retain(|scored| scored.score > 0.5 * SIGNIFICANT);
-        let far_off = scored.iter().skip(FITTED_MAX).position(Scored::begins_far_off);
-        let kept = far_off.filter(|_| self.has_base() && !scored[..FITTED_MAX].iter().any(Scored::begins_far_off));
-        let kept = kept.map(|beyond| scored.swap_remove(FITTED_MAX + beyond));
+        // to first order a limit of the commands that is far from the true one explains little, however much the true
+        // one would
+        if let Some(first) = scored.iter_mut().find(|scored| self.has_base() && scored.slopes.is_none()) {
+            first.in_any_case = true;
+        }
+        let beyond = scored.iter().skip(FITTED_MAX).position(|scored| scored.in_any_case);
+        let beyond = beyond.map(|place| scored.swap_remove(FITTED_MAX + place));
         scored.truncate(FITTED_MAX);
-        scored.extend(kept);
+        scored.extend(beyond);
         drop(eliminated);
         (linear, scored)
     }
@@ -79,6 +78,6 @@ impl<'e> Search<'e> {
         let size = normal.right.len();
         let gain = Cholesky::new(&regular(&normal.matrix, size, 1e-9), size)
             .map_or(0.0, |factor| dot(&factor.solve(&normal.right), &normal.right));
-        Scored { score: to.fit.training - normal.chi2 + gain, terms, slopes }
+        Scored { score: to.fit.training - normal.chi2 + gain, terms, slopes, in_any_case: false }
     }
 }

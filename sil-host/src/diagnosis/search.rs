@@ -56,6 +56,8 @@ pub(super) struct Search<'e> {
     pub(super) training: Vec<usize>,
     /// Windows that decide which effects are in the model.
     pub(super) choice: Vec<usize>,
+    /// All windows but those of the report.
+    pub(super) unreported: Vec<usize>,
     /// Windows of which errors are reported, or all of a log that is too short to spare any.
     pub(super) report: Vec<usize>,
     /// Receives the search's progress.
@@ -106,6 +108,7 @@ impl<'e> Search<'e> {
             report = (0..shooting.log.windows.len()).collect();
         }
         let (training, choice) = (of(Part::Fit), of(Part::Choice));
+        let unreported = shooting.log.part(&[Part::Fit, Part::Choice]);
         let always = gains.clone();
         let yardstick = OnceLock::new();
         let lasting_gains = Vec::new();
@@ -117,6 +120,7 @@ impl<'e> Search<'e> {
             always,
             training,
             choice,
+            unreported,
             report,
             observer,
             yardstick,
@@ -125,8 +129,8 @@ impl<'e> Search<'e> {
     }
 
     /// The same from a base model on, with what can be beside it.
-    pub(super) fn from(self, base: &Fit<'e>, catalogue: &'e [Fitted]) -> Search<'e> {
-        Search { always: base.terms.clone(), catalogue, ..self }
+    pub(super) fn from(self, base: &[Term<'e>], catalogue: &'e [Fitted]) -> Search<'e> {
+        Search { always: base.to_vec(), catalogue, ..self }
     }
 
     /// The same, with what gains would be if disturbances lasted.
@@ -136,7 +140,7 @@ impl<'e> Search<'e> {
 
     /// What the judge measures by; the first model it is asked for is near enough to all others.
     pub(super) fn yardstick(&self, near: &Driven) -> &Yardstick {
-        self.yardstick.get_or_init(|| Yardstick::new(self.shooting, near))
+        self.yardstick.get_or_init(|| Yardstick::new(self.shooting, &self.unreported, near))
     }
 
     /// Windows by their numbers.
@@ -214,7 +218,7 @@ impl<'e> Search<'e> {
 
     /// A model fitted to all windows but those of the report, from values and start states on.
     pub(super) fn refitted(&self, terms: Vec<Term<'e>>, starts: &[State]) -> Fit<'e> {
-        let mut refitted = self.fit_within_bounds(terms, starts, &self.unreported(), f64::INFINITY);
+        let mut refitted = self.fit_within_bounds(terms, starts, &self.unreported, f64::INFINITY);
         let driven = self.shooting.log.drive(model_of(self.nominal, &refitted.terms));
         self.shooting.settle(&driven, &self.report, &mut refitted.starts);
         refitted
@@ -222,12 +226,7 @@ impl<'e> Search<'e> {
 
     /// The same fit with what leaving out parts of its windows says of its numbers.
     pub(super) fn with_parts_left_out(&self, refitted: Fit<'e>) -> Fit<'e> {
-        refitted.with_parts_left_out(self.shooting, self.nominal, &self.unreported())
-    }
-
-    /// All windows but those of the report.
-    pub(super) fn unreported(&self) -> Vec<usize> {
-        self.shooting.log.part(&[Part::Fit, Part::Choice])
+        refitted.with_parts_left_out(self.shooting, self.nominal, &self.unreported)
     }
 
     /// Start states of the training windows at their best under these effects, from the measured ones on.
@@ -287,14 +286,11 @@ impl<'e> Search<'e> {
         let mut most = known;
         let (effects, total) = (to.fit.terms.len() - self.always.len(), self.catalogue.len() + FITTED_MAX);
         let (linear, scored) = self.scored(to);
-        let mut fits_far_off = false;
         for (done, scored) in (self.catalogue.len()..).zip(scored) {
             (self.observer)(Progress::Searching { effects, done, total });
-            let may_be_more = self.has_base() && scored.begins_far_off() && !fits_far_off;
-            if OVERSHOT * scored.score < most && !may_be_more {
+            if OVERSHOT * scored.score < most && !scored.in_any_case {
                 continue;
             }
-            fits_far_off |= scored.begins_far_off();
             let fit = self.extended(to, &linear, scored, to.fit.training - most);
             most = most.max(to.fit.training - fit.fit.training);
             fits.push(fit);

@@ -65,7 +65,7 @@ pub fn sizes_beside_base(
     let (shooting, in_sensors) = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
     let base = base::fitted(&search, &ordinary, Some(&in_sensors)).fit;
-    let beside = sensors.informed(Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis)));
+    let beside = sensors.informed(Fitted::beside(&scope, |axis| base::is_trimmed(&base.terms, axis)));
     let terms = with_asked(base.terms, &beside, asked);
     let fit = fitted_to_all(&shooting, &nominal, terms);
     let mut sizes = fit.with_parts_left_out(&shooting, &nominal, &shooting.log.in_use()).sizes(asked);

@@ -10,7 +10,7 @@ use super::estimate::Estimate;
 use super::fitted::{Fitted, per_unit_inertia};
 use super::found::Found;
 use super::lateness::count_lateness;
-use super::search::{SEPARABLE, Search};
+use super::search::{Candidate, SEPARABLE, Search};
 use super::stability::Stability;
 use super::{ChannelStatistics, Unexplained};
 use crate::axis::Axis;
@@ -43,8 +43,8 @@ pub struct Finding {
     pub parameters: BTreeMap<&'static str, Estimate>,
     /// Share of the held-out squared error, without it, that it takes away, %.
     pub gain_pct: f64,
-    /// Effects that this log cannot separate from it.
-    pub confounded_with: Vec<&'static str>,
+    /// Effects that this log cannot separate from it, and the same effect elsewhere ("weak_motor 3").
+    pub confounded_with: Vec<String>,
     /// In how many other cuts of the log it is found, %; none where none were looked at.
     pub stability_pct: Option<f64>,
     /// What the answer chooses among where the cuts of the log do not agree, this effect first ("nothing" for no effect
@@ -209,12 +209,17 @@ pub(super) fn findings<'e>(
 }
 
 /// "spring pitch", "weak_motor 3".
-fn full_name(effect: &Fitted) -> String {
+pub(super) fn full_name(effect: &Fitted) -> String {
     match (effect.axis(), effect.motor()) {
         (Some(axis), _) => format!("{} {}", effect.name(), axis.name()),
         (None, Some(motor)) => format!("{} {motor}", effect.name()),
         (None, None) => effect.name().to_owned(),
     }
+}
+
+/// What an effect is called beside another that it may stand in for: where it is the same, the place matters.
+pub(super) fn name_beside(own: &Fitted, other: &Fitted) -> String {
+    if other.name() == own.name() { full_name(other) } else { other.name().to_owned() }
 }
 
 impl Finding {
@@ -238,16 +243,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) 
         parameters = parameters.into_iter().map(|(name, estimate)| (per_unit_inertia(name), estimate)).collect();
         names = names.into_iter().map(per_unit_inertia).collect();
     }
-    let spread = search.spread(&found.chosen);
-    let mut confounded_with: Vec<&'static str> = Vec::new();
-    for other in found.alternatives_of(search, index) {
-        let name = other.fit.terms[other.fit.terms.len() - 1].effect.name();
-        let behind = 0.5 * (other.choice - found.chosen.choice) / spread;
-        let is_new = name != effect.name() && !confounded_with.contains(&name);
-        if behind < SEPARABLE && is_new && confounded_with.len() < CONFOUNDED_MAX {
-            confounded_with.push(name);
-        }
-    }
+    let confounded_with = confounded_with(search, found, index);
     let statement = statement(effect, &names, &parameters, &confounded_with);
     let axis = effect.axis().map(crate::axis::Axis::name);
     Finding {
@@ -263,6 +259,25 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) 
         statement,
         extension: term.effect.effect(&term.values).filter(|_| search.shooting.log.is_vehicle()),
     }
+}
+
+/// What the log cannot separate from a finding: other effects by their names, as many as a person can weigh, and the
+/// same effect at any other motor or on another axis.
+fn confounded_with(search: &Search<'_>, found: &Found<'_>, index: usize) -> Vec<String> {
+    let own = found.refitted.chosen.terms[index].effect;
+    let limit = found.chosen.choice + 2.0 * SEPARABLE * search.spread(&found.chosen);
+    let inseparable = found.alternatives_of(search, index).iter().filter(|other| other.choice < limit);
+    let (mut others, mut elsewhere) = (Vec::new(), Vec::new());
+    for effect in inseparable.map(Candidate::last_effect) {
+        let name = name_beside(own, effect);
+        if effect.name() == own.name() {
+            elsewhere.push(name);
+        } else if others.len() < CONFOUNDED_MAX && !others.contains(&name) {
+            others.push(name);
+        }
+    }
+    others.extend(elsewhere);
+    others
 }
 
 /// Values by name with standard deviations: the fit's, carried over to what is reported, and the model's own accuracy.
@@ -309,7 +324,7 @@ fn statement(
     effect: &Fitted,
     names: &[&'static str],
     parameters: &BTreeMap<&'static str, Estimate>,
-    confounded: &[&str],
+    confounded: &[String],
 ) -> String {
     let numbers: Vec<String> = names
         .iter()

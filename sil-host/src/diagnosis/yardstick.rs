@@ -13,9 +13,9 @@ use rayon::prelude::*;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::axis_filter::AxisFilter;
 use crate::diagnosis::fitting::shooting::Shooting;
+use crate::prediction::Window;
 use crate::prediction::start_state::StartSight;
 use crate::prediction::windowed_log::{Driven, WindowedLog};
-use crate::prediction::{Part, Window};
 
 /// Lengths of the predictions, s.
 const HORIZONS_S: [f64; 2] = [0.1, 0.5];
@@ -41,10 +41,9 @@ struct Predicted {
 }
 
 impl Yardstick {
-    /// For models near to this one.
-    pub(super) fn new(shooting: &Shooting<'_>, near: &Driven) -> Yardstick {
+    /// Of some windows, for models near to this one.
+    pub(super) fn new(shooting: &Shooting<'_>, windows: &[usize], near: &Driven) -> Yardstick {
         let log = &shooting.log;
-        let windows = log.part(&[Part::Fit, Part::Choice]);
         let predicted = |window: Window| Predicted {
             sight: log.start_sight(near, &window),
             filters: shooting.lasting(&window),
@@ -57,7 +56,7 @@ impl Yardstick {
             };
             windows.par_iter().map(of).collect()
         });
-        Yardstick { parts: parts.into(), windows }
+        Yardstick { parts: parts.into(), windows: windows.to_vec() }
     }
 
     /// Errors by horizon and channel, each window under the model that is given for it.

@@ -19,7 +19,7 @@ use crate::diagnosis::fitting::fit::{Term, fit_to_reach, model_of};
 use crate::diagnosis::found::Found;
 use crate::diagnosis::progress::Progress;
 use crate::diagnosis::search::{SEPARABLE, Search};
-use crate::diagnosis::verdict::Finding;
+use crate::diagnosis::verdict::{Finding, full_name, name_beside};
 use crate::flight::FlightSetup;
 use crate::flight_log::flight_log;
 use crate::log::{Column, Log};
@@ -51,7 +51,8 @@ struct Pair<'e> {
     rival: Family<'e>,
 }
 
-/// The model with one of the two in, then the same with the effect on each other axis or motor.
+/// The model with one of the two in, then, unless the two differ in just that, the same with the effect on each other
+/// axis or motor.
 type Family<'e> = Vec<Vec<Term<'e>>>;
 
 /// A manoeuvre and the differences of log-likelihoods to be expected from it, pair by pair.
@@ -140,13 +141,23 @@ fn pairs<'e>(search: &Search<'e>, found: &Found<'e>, findings: &[Finding], place
     for (index, finding) in places.iter().zip(findings) {
         let alternatives = found.alternatives_of(search, *index);
         let axis = finding.axis.map(|axis| format!(" ({axis})")).unwrap_or_default();
+        let chosen = &found.refitted.chosen.terms;
         for name in &finding.confounded_with {
-            let rival = alternatives.iter().find(|other| other.last_effect().name() == *name);
-            let Some(rival) = rival.map(|rival| &rival.fit.terms) else { continue };
-            pairs.push(Pair {
-                names: format!("{}{axis} from {name}", finding.effect),
-                finding: family(search, &found.refitted.chosen.terms, *index),
-                rival: family(search, rival, rival.len() - 1),
+            let own = chosen[*index].effect;
+            let Some(rival) = alternatives.iter().find(|other| name_beside(own, other.last_effect()) == *name) else {
+                continue;
+            };
+            let (effect, rival) = (rival.last_effect(), &rival.fit.terms);
+            pairs.push(if effect.name() == own.name() {
+                // the same effect elsewhere: which of its places it is, is the question
+                let names = format!("{} from {name}", full_name(own));
+                Pair { names, finding: vec![chosen.clone()], rival: vec![rival.clone()] }
+            } else {
+                Pair {
+                    names: format!("{}{axis} from {name}", finding.effect),
+                    finding: family(search, chosen, *index),
+                    rival: family(search, rival, rival.len() - 1),
+                }
             });
         }
     }

@@ -82,7 +82,7 @@ fn the_proposed_flight_tells_what_the_log_did_not() {
     let hidden = ["thrust_scale:scale=0.95"];
     let answer = answer_to(&log(&hidden, None, 6.0, 0));
     let mut either = answer.findings[0].confounded_with.clone();
-    either.push(answer.findings[0].effect);
+    either.push(answer.findings[0].effect.to_owned());
     either.sort_unstable();
     assert_eq!(either, ["inertia_error", "thrust_scale"]);
     assert!(answer.excitation.weaknesses[0].contains("hardly moves pitch"), "{:?}", answer.excitation.weaknesses);

@@ -67,7 +67,7 @@ pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<Be
         }
         _ => (search, base),
     };
-    let search = search.from(&base, &[]);
+    let search = search.from(&base.terms, &[]);
     let fit = search.refitted(base.terms, &base.starts);
     let seen = seen::axes(&search, &fit);
     let mut model = BenchModel { name: super::name_of(log), ..BenchModel::default() };

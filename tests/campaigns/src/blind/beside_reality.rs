@@ -52,8 +52,12 @@ impl BesideReality {
         let (mut false_names, mut wrong_sizes) = (Vec::new(), Vec::new());
         for finding in &answer.findings {
             let own = Named::of_finding(finding);
-            let is_there = |name: &str| truth.iter().any(|other| other.effect == name) || OF_THE_FILE.contains(&name);
+            let is_called = |other: &Named, name: &str| other.effect == name || other.label() == name;
+            let is_there = |name: &str| truth.iter().any(|other| is_called(other, name)) || OF_THE_FILE.contains(&name);
+            // of an effect that may as well be elsewhere the size is none
+            let is_elsewhere = |name: &String| *name != own.effect && name.starts_with(&own.effect);
             match truth.iter().find(|other| other.is_at(&own)) {
+                Some(_) if finding.confounded_with.iter().any(is_elsewhere) => {}
                 Some(other) => {
                     wrong_sizes.extend(sizes_beside((&case.vehicle, &truth, other), (&reality.given, &named, &own)));
                 }

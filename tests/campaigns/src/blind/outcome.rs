@@ -26,7 +26,7 @@ pub struct Outcome {
     /// What was found, most important first.
     pub found: Vec<String>,
     /// Effects that it is said may stand in the first finding's place.
-    pub confounded: Vec<&'static str>,
+    pub confounded: Vec<String>,
     /// Hidden effects that are named, with axis and motor or as an admissible confounded name.
     pub named: usize,
     /// True if the first finding is a hidden effect, likewise.
@@ -102,7 +102,9 @@ impl Outcome {
         let own = |finding: &Finding, effect: &Hidden| {
             finding.effect == effect.name && finding.axis == effect.axis && motor_of(finding) == effect.motor
         };
-        let admitted = |finding: &Finding, effect: &Hidden| finding.confounded_with.contains(&effect.name);
+        let admitted = |finding: &Finding, effect: &Hidden| {
+            finding.confounded_with.iter().any(|name| *name == effect.name || *name == effect.label())
+        };
         let mut unnamed = Vec::new();
         for (effect, value) in &case.hidden {
             match left.iter().position(|finding| own(finding, effect)) {
