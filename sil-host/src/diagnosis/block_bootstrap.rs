@@ -24,6 +24,25 @@ pub(super) fn interval(windows: usize, figure: impl Fn(&[usize]) -> f64) -> Opti
 /// The same where the figure is one of so many of which any may decide: an interval so wide that all of them hold the
 /// truth in 95 % (Bonferroni).
 pub(super) fn interval_of_one(windows: usize, of: usize, figure: impl Fn(&[usize]) -> f64) -> Option<[f64; 2]> {
+    let drawn = draws(windows, figure)?;
+    let tail = 0.025 / of.max(1) as f64;
+    Some(between(&drawn, tail))
+}
+
+/// Quantiles of 2.5 and 97.5 % as above, and the share of the draws in which the figure is below zero.
+pub(super) fn interval_and_chance(windows: usize, figure: impl Fn(&[usize]) -> f64) -> Option<([f64; 2], f64)> {
+    let drawn = draws(windows, figure)?;
+    let below = drawn.partition_point(|figure| *figure < 0.0);
+    Some((between(&drawn, 0.025), below as f64 / DRAWS as f64))
+}
+
+/// Quantiles of so much and of all but so much of sorted draws.
+fn between(drawn: &[f64], tail: f64) -> [f64; 2] {
+    [tail, 1.0 - tail].map(|share| drawn[(share * (DRAWS - 1) as f64).round() as usize])
+}
+
+/// A figure over draws of windows, the smallest first; none with too few windows, and of a figure that is none.
+fn draws(windows: usize, figure: impl Fn(&[usize]) -> f64) -> Option<Vec<f64>> {
     if windows < WINDOWS_MIN {
         return None;
     }
@@ -40,10 +59,7 @@ pub(super) fn interval_of_one(windows: usize, of: usize, figure: impl Fn(&[usize
         })
         .collect();
     figures.sort_by(f64::total_cmp);
-    let quantile = |share: f64| figures[(share * (DRAWS - 1) as f64).round() as usize];
-    let tail = 0.025 / of.max(1) as f64;
-    let ends = [quantile(tail), quantile(1.0 - tail)];
-    ends.iter().all(|end| end.is_finite()).then_some(ends)
+    [figures[0], figures[DRAWS - 1]].iter().all(|end| end.is_finite()).then_some(figures)
 }
 
 #[cfg(test)]
@@ -74,6 +90,14 @@ mod tests {
         // 1.66 times as large
         let fourfold = mean_width(4) / single;
         assert!((1.5..1.8).contains(&fourfold), "{fourfold}");
+        // a mean at 1.28 standard deviations is below zero in one draw of ten
+        let values = make(1, &mut noise);
+        let mean_of = |drawn: &[usize], values: &[f64]| drawn.iter().map(|i| values[*i]).sum::<f64>() / 240.0;
+        let all: Vec<usize> = (0..240).collect();
+        let own = mean_of(&all, &values);
+        let scatter = values.iter().map(|value| (value - own) * (value - own)).sum::<f64>().sqrt() / 240.0;
+        let (_, chance) = interval_and_chance(240, |drawn| mean_of(drawn, &values) - own + 1.28 * scatter).unwrap();
+        assert!((0.06..0.14).contains(&chance), "{chance}");
         assert_eq!(interval(WINDOWS_MIN - 1, |_| 1.0), None);
         assert_eq!(interval(20, |_| f64::NAN), None);
     }

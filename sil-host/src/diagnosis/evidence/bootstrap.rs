@@ -2,13 +2,16 @@
 
 use serde::Serialize;
 
-use crate::diagnosis::block_bootstrap::interval;
+use crate::diagnosis::block_bootstrap::{interval, interval_and_chance};
 use crate::diagnosis::found::Found;
 use crate::diagnosis::judge;
 use crate::diagnosis::search::Search;
 
 /// Share of the error that a finding must take away, %.
 const CONFIRMED_PCT: f64 = 2.0;
+/// Share of the draws in which it may take none away. The judge was sure of it over three times as many windows; where
+/// these few ask for the same, they refuse of what takes a third of the error away as much as they confirm.
+const BY_CHANCE: f64 = 0.1;
 
 /// Gains on held-out data, with intervals that hold 95 % of a block bootstrap.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -26,6 +29,9 @@ pub struct Gain {
     pub findings_pct: Vec<f64>,
     /// Their intervals.
     pub findings_interval_pct: Vec<Option<[f64; 2]>>,
+    /// In which share of the draws each takes nothing away; none where there are no intervals.
+    #[serde(skip)]
+    chances: Vec<Option<f64>>,
 }
 
 /// Gains of what a search found.
@@ -39,14 +45,14 @@ pub(in crate::diagnosis) fn gain<'e>(search: &Search<'e>, found: &Found<'e>) -> 
     };
     let all: Vec<usize> = (0..nominal.len()).collect();
     let found_places = search.always.len()..refitted[1].terms.len();
-    let mut findings: Vec<(usize, f64, Option<[f64; 2]>)> = found_places
+    let mut findings: Vec<_> = found_places
         .chain(found.unusual.iter().copied())
         .map(|index| {
             let mut terms = refitted[1].terms.clone();
             terms.remove(index);
             let without = search.left_without(found, terms);
-            let interval = interval(all.len(), |drawn| share(drawn, &without, &without));
-            (index, share(&all, &without, &without), interval)
+            let drawn = interval_and_chance(all.len(), |drawn| share(drawn, &without, &without));
+            (index, share(&all, &without, &without), drawn)
         })
         .collect();
     findings.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -55,7 +61,8 @@ pub(in crate::diagnosis) fn gain<'e>(search: &Search<'e>, found: &Found<'e>) -> 
         total_interval_pct: interval(all.len(), |drawn| share(drawn, &nominal, &nominal)),
         places: findings.iter().map(|finding| finding.0).collect(),
         findings_pct: findings.iter().map(|finding| finding.1).collect(),
-        findings_interval_pct: findings.iter().map(|finding| finding.2).collect(),
+        findings_interval_pct: findings.iter().map(|finding| finding.2.map(|(interval, _)| interval)).collect(),
+        chances: findings.iter().map(|finding| finding.2.map(|(_, chance)| chance)).collect(),
     }
 }
 
@@ -63,10 +70,10 @@ pub(in crate::diagnosis) fn gain<'e>(search: &Search<'e>, found: &Found<'e>) -> 
 /// away, beyond chance. They have no say in what is looked for; they may only object.
 pub(in crate::diagnosis) fn confirmed<'e>(search: &Search<'e>, mut found: Found<'e>) -> Found<'e> {
     while search.has_base() {
-        let Gain { places, findings_pct, findings_interval_pct, .. } = gain(search, &found);
-        let by_chance = |interval: &Option<[f64; 2]>| interval.is_some_and(|[least, _]| least < 0.0);
-        let places = places.into_iter().zip(findings_pct).zip(findings_interval_pct);
-        let not_confirmed = places.filter(|((_, pct), interval)| *pct < CONFIRMED_PCT || by_chance(interval));
+        let Gain { places, findings_pct, chances, .. } = gain(search, &found);
+        let may_be_chance = |chance: &Option<f64>| chance.is_some_and(|chance| chance > BY_CHANCE);
+        let places = places.into_iter().zip(findings_pct).zip(chances);
+        let not_confirmed = places.filter(|((_, pct), chance)| *pct < CONFIRMED_PCT || may_be_chance(chance));
         let Some(((place, _), _)) = not_confirmed.min_by(|a, b| a.0.1.total_cmp(&b.0.1)) else { break };
         let objected = found.refitted.chosen.terms[place].effect;
         let mut wanted = found.findings(search);

@@ -67,7 +67,7 @@ impl Campaign {
 
     /// Seeds of about a tenth of it, and how many of them are answered right: fewer is a step back. All effects occur
     /// among the singles, every second where commands are lost, all kinds of things outside the catalogue, and mass,
-    /// drag, ground, wind and rotors in free flight. Of those that imitate reality it is five, for each takes half a
+    /// drag, ground, wind and rotors in free flight. Of those that imitate reality it is seven, for each takes half a
     /// minute.
     pub fn tenth(self) -> (Vec<u64>, usize) {
         match self {
@@ -78,7 +78,7 @@ impl Campaign {
             Campaign::Triples => ((0..6).collect(), 5),
             Campaign::Outside => ((0..7).collect(), 7),
             Campaign::Free => (vec![0, 5, 10, 15, 21], 5),
-            Campaign::Reality => (vec![1, 4, 8, 9, 10], 5),
+            Campaign::Reality => (vec![1, 4, 8, 9, 10, 60, 76], 7),
         }
     }
 
