@@ -41,7 +41,7 @@ impl BesideBase<'_> {
         let catalogue = self.known.leaves(self.sensors.informed(beside));
         let search = search.from(base, &catalogue);
         let found = search.run();
-        match larger_base(&search, self.ordinary, &found).filter(|_| bases > 1) {
+        match (bases > 1).then(|| larger_base(&search, self.ordinary, &found)).flatten() {
             Some(base) => self.search(search, &base, bases - 1, conclude),
             None => conclude(&search, found),
         }
