@@ -1,8 +1,8 @@
 //! The judge is what a user sees: the error of open-loop predictions, channel by channel, over windows that nothing was
 //! fitted to (about axes whose commands hold against a disturbance, of each row from those before it: `yardstick`).
 //! What is in a model stays if it takes a share of that error away beyond chance, and if no channel is worse for it
-//! beyond chance. The search's own measure, a likelihood, is about the next row given all rows before; a model may be
-//! better at that and worse at what it is for.
+//! beyond chance, by such a share. The search's own measure, a likelihood, is about the next row given all rows before;
+//! a model may be better at that and worse at what it is for.
 //!
 //! The windows of the report are not looked at. Over the others, fold by fold, each is predicted with the numbers that
 //! the other folds give (one step of Newton's from those of all).
@@ -10,7 +10,8 @@
 use rayon::prelude::*;
 
 use crate::axis::Axis;
-use crate::diagnosis::block_bootstrap::{WINDOWS_MIN, interval, interval_of_one};
+use crate::diagnosis::block_bootstrap::{interval, interval_of_one};
+use crate::diagnosis::dry_friction;
 use crate::diagnosis::fitting::bounded_step::BoundedStep;
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, with_priors};
 use crate::diagnosis::fitting::linearisation::Normal;
@@ -19,9 +20,9 @@ use crate::diagnosis::search::Search;
 use crate::diagnosis::usual::may_be_found;
 use crate::diagnosis::yardstick::{Errors, squared_errors};
 use crate::effects::Unknown;
+use crate::prediction::Window;
 use crate::prediction::accuracy::{ErrorOf, predict, root_mean_square, tallies};
 use crate::prediction::windowed_log::Driven;
-use crate::prediction::{Channel, Window};
 
 /// Share of the error that a finding must take away.
 const SHARE_MIN: f64 = 0.02;
@@ -81,7 +82,8 @@ pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) ->
     }
     let (base, mut with) = (Judged::of(search, base), Judged::of(search, chosen));
     loop {
-        let worse: Vec<usize> = surely_better_ones(&with.errors, &base.errors).collect();
+        let loses = |one: &usize| change(&base.errors[*one..=*one], &with.errors[*one..=*one]) > SHARE_MIN;
+        let worse: Vec<usize> = surely_better_ones(&with.errors, &base.errors).filter(loses).collect();
         let mut removable = Vec::new();
         for index in search.always.len()..with.fit.terms.len() {
             let without = with.without(search, &[index]);
@@ -157,12 +159,7 @@ fn pays(search: &Search<'_>, term: &Term<'_>, without: &Judged<'_>, with: &Judge
     let (without, with) = (&without.errors, &with.errors);
     change(without, with) < -SHARE_MIN
         && (is_surely_better(without, with) || surely_better_ones(without, with).next().is_some())
-        && dry_friction(term).is_none_or(|axis| brakes_what_turns(search, axis, without, with))
-}
-
-/// The axis that a term brakes the same at any rate.
-fn dry_friction(term: &Term<'_>) -> Option<Axis> {
-    term.effect.axis().filter(|_| term.effect.name() == "coulomb_friction")
+        && dry_friction::axis_of(term.effect).is_none_or(|axis| brakes_what_turns(search, axis, without, with))
 }
 
 /// Is a rate predicted better beyond chance where it is large? At rest the commands hold against gusts: what seems to
@@ -170,22 +167,8 @@ fn dry_friction(term: &Term<'_>) -> Option<Axis> {
 /// rests in gusts seems to be held by dry friction (on a hundred vehicles that imitate reality all that was false was
 /// that). While it turns, and over a tenth of a second, a friction that is not there makes the prediction worse.
 fn brakes_what_turns(search: &Search<'_>, axis: Axis, without: &[Errors], with: &[Errors]) -> bool {
-    let log = &search.shooting.log;
-    let rate = Channel::Rate(axis);
-    let Some((place, measured)) = log.compared().position(|(channel, _)| channel == rate).zip(log.measured(rate))
-    else {
-        return true;
-    };
-    let square = |index: &usize| {
-        let Window { start, end, .. } = log.windows[*index];
-        measured[start..end].iter().map(|rate| rate * rate).sum::<f64>() / (end - start).max(1) as f64
-    };
-    let squares: Vec<f64> = search.unreported.iter().map(square).collect();
-    let mut turning: Vec<usize> = (0..squares.len()).collect();
-    turning.sort_by(|a, b| squares[*b].total_cmp(&squares[*a]));
-    turning.truncate(squares.len().div_ceil(2).max(WINDOWS_MIN));
-    turning.sort_unstable();
-    let of = |errors: &[Errors]| vec![turning.iter().map(|window| errors[place][*window]).collect()];
+    let Some((rate, turning)) = dry_friction::turning(search, axis) else { return true };
+    let of = |errors: &[Errors]| vec![turning.iter().map(|window| errors[rate][*window]).collect()];
     is_surely_better(&of(without), &of(with))
 }
 

@@ -1,5 +1,6 @@
 //! What one effect more would explain of a log, to first order: one linearisation each, from which its fit goes on.
 
+use super::dry_friction::{axis_of, for_viscous};
 use super::progress::Progress;
 use super::search::{Candidate, FITTED_MAX, SIGNIFICANT, Search};
 use crate::diagnosis::fitting::fit::{Term, model_of, regular, with_priors};
@@ -41,17 +42,19 @@ impl<'e> Search<'e> {
             if to.fit.terms.iter().any(|term| term.effect.is_the_same(effect)) {
                 continue;
             }
-            for values in effect.starts(&hints) {
-                let mut terms = to.fit.terms.clone();
-                terms.push(Term { effect, values });
-                scored.push(self.score(to, (&linear, &eliminated), terms));
-            }
+            let added = |values| [to.fit.terms.as_slice(), &[Term { effect, values }]].concat();
+            let mut begun: Vec<Vec<Term<'e>>> = effect.starts(&hints).into_iter().map(added).collect();
+            begun.extend(self.has_base().then(|| for_viscous(self, &to.fit.terms, effect)).flatten());
+            scored.extend(begun.into_iter().map(|terms| self.score(to, (&linear, &eliminated), terms)));
         }
         scored.sort_by(|a, b| b.score.total_cmp(&a.score));
         scored.retain(|scored| scored.score > 0.5 * SIGNIFICANT);
         // to first order a limit of the commands that is far from the true one explains little, however much the true
         // one would
-        if let Some(first) = scored.iter_mut().find(|scored| self.has_base() && scored.slopes.is_none()) {
+        let is_limit = |scored: &&mut Scored<'e>| {
+            scored.slopes.is_none() && axis_of(scored.terms[to.fit.terms.len()].effect).is_none()
+        };
+        if let Some(first) = scored.iter_mut().filter(|_| self.has_base()).find(is_limit) {
             first.in_any_case = true;
         }
         let beyond = scored.iter().skip(FITTED_MAX).position(|scored| scored.in_any_case);

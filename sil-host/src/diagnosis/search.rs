@@ -8,15 +8,13 @@
 
 use std::sync::OnceLock;
 
+use super::enlarging::criterion;
 use super::fitted::Fitted;
 use super::holding::LastingGain;
-use super::plausible::{has_bound, is_plausible};
-use super::progress::{Observer, Progress};
-use super::scoring::Scored;
+use super::plausible::has_bound;
+use super::progress::Observer;
 use super::yardstick::Yardstick;
-use crate::diagnosis::fitting::fit::{Fit, Nominal, OVERSHOT, Term, fit, fit_from, fit_to_reach, model_of};
-use crate::diagnosis::fitting::linearisation::Linearisation;
-use crate::diagnosis::fitting::round::Round;
+use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, fit, fit_to_reach, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::accuracy::{predict, tallies, worst_ratio};
 use crate::prediction::body::State;
@@ -160,18 +158,9 @@ impl<'e> Search<'e> {
             if effects == EFFECTS_MAX || effects >= FEW && !self.has_base() && self.is_far(&chosen) {
                 break;
             }
-            let mut extended = self.extensions(&chosen, 0.0);
-            let place = if self.has_base() {
-                let pays = |place: &usize| self.pays(&chosen, &extended[*place], &nominal);
-                let paying: Vec<usize> = (0..extended.len()).filter(pays).collect();
-                let larger: Vec<&Fit<'e>> = paying.iter().map(|place| &extended[*place].fit).collect();
-                helping(&chosen.fit, &larger).map(|helping| paying[helping])
-            } else {
-                extended.first().filter(|best| self.pays(&chosen, best, &nominal)).map(|_| 0)
-            };
-            let Some(place) = place else { break };
-            chosen = extended.remove(place);
-            alternatives.push(extended);
+            let Some((larger, others)) = self.enlarged(&chosen, &nominal, &helping) else { break };
+            chosen = larger;
+            alternatives.push(others);
             if chosen.fit.terms.len() > self.always.len() + 1 {
                 (chosen, alternatives) = self.revised(chosen, &nominal);
             }
@@ -242,18 +231,6 @@ impl<'e> Search<'e> {
         self.chosen_by(self.fit_within_bounds(terms, starts, &self.training, to_reach))
     }
 
-    /// The same of a hypothesis, whose score has done the first linearisation of the fit where it could.
-    fn extended(&self, to: &Candidate<'e>, linear: &Linearisation, scored: Scored<'e>, to_reach: f64) -> Candidate<'e> {
-        let Scored { terms, slopes, .. } = scored;
-        let Some(slopes) = slopes else { return self.fitted(terms, &to.fit.starts, to_reach) };
-        let first = Round::beside(linear, slopes, terms.clone(), &to.fit.starts);
-        let fitted = fit_from(self.shooting, self.nominal, first, &self.training, to_reach);
-        if self.runs_off(&fitted, &terms) {
-            return self.chosen_by(self.as_it_was(terms, &to.fit.starts, &self.training));
-        }
-        self.chosen_by(fitted)
-    }
-
     /// A fit and what it leaves of the windows of choice.
     pub(super) fn chosen_by(&self, mut fit: Fit<'e>) -> Candidate<'e> {
         let driven = self.shooting.log.drive(model_of(self.nominal, &fit.terms));
@@ -270,56 +247,17 @@ impl<'e> Search<'e> {
     }
 
     /// Has a fit run from these terms of a base model to the end of a range?
-    fn runs_off(&self, fitted: &Fit<'e>, terms: &[Term<'e>]) -> bool {
+    pub(super) fn runs_off(&self, fitted: &Fit<'e>, terms: &[Term<'e>]) -> bool {
         self.has_base() && has_bound(&fitted.terms) && !has_bound(terms)
     }
 
     /// A fit that stays where it begins.
-    fn as_it_was(&self, terms: Vec<Term<'e>>, starts: &[State], windows: &[usize]) -> Fit<'e> {
+    pub(super) fn as_it_was(&self, terms: Vec<Term<'e>>, starts: &[State], windows: &[usize]) -> Fit<'e> {
         fit_to_reach(self.shooting, self.nominal, terms, starts, windows, f64::NEG_INFINITY)
     }
 
-    /// All ways to add one effect that are worth a full fit, best first. Those that explain far less than `known` does,
-    /// a fall of the training windows' sum of squares, are not.
-    pub(super) fn extensions(&self, to: &Candidate<'e>, known: f64) -> Vec<Candidate<'e>> {
-        let mut fits: Vec<Candidate<'e>> = Vec::new();
-        let mut most = known;
-        let (effects, total) = (to.fit.terms.len() - self.always.len(), self.catalogue.len() + FITTED_MAX);
-        let (linear, scored) = self.scored(to);
-        for (done, scored) in (self.catalogue.len()..).zip(scored) {
-            (self.observer)(Progress::Searching { effects, done, total });
-            if OVERSHOT * scored.score < most && !scored.in_any_case {
-                continue;
-            }
-            let fit = self.extended(to, &linear, scored, to.fit.training - most);
-            most = most.max(to.fit.training - fit.fit.training);
-            fits.push(fit);
-        }
-        fits.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
-        // of two starts of the same effect the better one counts
-        let mut seen: Vec<Candidate<'e>> = Vec::new();
-        for fit in fits {
-            let is_seen = seen.iter().any(|other| other.last_effect().is_the_same(fit.last_effect()));
-            if !is_seen && is_plausible(self.shooting, self.nominal, &fit.fit.terms) {
-                seen.push(fit);
-            }
-        }
-        self.simplest_first(&mut seen);
-        seen
-    }
-
-    /// Of those that the log cannot separate from the best, the one with the fewest parameters goes first.
-    fn simplest_first(&self, fits: &mut [Candidate<'e>]) {
-        let Some(best) = fits.first() else { return };
-        let limit = best.choice + 2.0 * SEPARABLE * self.spread(best);
-        let inseparable = fits.iter().enumerate().filter(|(_, fit)| fit.choice < limit);
-        if let Some((place, _)) = inseparable.min_by_key(|(_, fit)| fit.fit.size()) {
-            fits[..=place].rotate_right(1);
-        }
-    }
-
     /// Is the larger model worth its parameters?
-    fn pays(&self, smaller: &Candidate<'e>, larger: &Candidate<'e>, nominal: &Candidate<'e>) -> bool {
+    pub(super) fn pays(&self, smaller: &Candidate<'e>, larger: &Candidate<'e>, nominal: &Candidate<'e>) -> bool {
         let spread = self.spread(larger);
         let training = (smaller.fit.training - larger.fit.training) / spread;
         let choice = (smaller.choice - larger.choice) / spread;
@@ -374,9 +312,4 @@ impl<'e> Search<'e> {
         criterion(other) + PAYS * spread < criterion(chosen)
             || other.fit.size() < chosen.fit.size() && other.choice < chosen.choice + 2.0 * SEPARABLE * spread
     }
-}
-
-/// Sum of squares over the windows of choice with a penalty for each parameter.
-fn criterion(candidate: &Candidate<'_>) -> f64 {
-    candidate.choice + 2.0 * candidate.fit.size() as f64
 }
