@@ -21,7 +21,6 @@
 
 pub mod active_limits;
 pub mod adaptation;
-pub mod arguments;
 pub mod attitude_error;
 pub mod attitude_replay;
 pub mod blind;
@@ -35,5 +34,6 @@ pub mod notches;
 pub mod out_of_the_testbed;
 pub mod real_logs;
 pub mod refinement;
+pub mod rows_file;
 pub mod thesis_case;
 pub mod worst_case;

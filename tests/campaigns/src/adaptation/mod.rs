@@ -43,8 +43,12 @@ pub struct Row {
     pub worst_pct: f64,
     /// The same over that of the wrong model alone.
     pub worst_beside_wrong_pct: f64,
+    /// Vehicles on which the right model, and learning, is more than 1 % worse than the wrong one.
+    pub worse_than_wrong: [usize; 2],
     /// Flights that ended upside down or nowhere: wrong model, right model, learning.
     pub lost: [usize; 3],
+    /// Those of learning that the wrong model did not lose.
+    pub lost_by_learning: usize,
 }
 
 /// Rigs and controllers.
@@ -105,6 +109,8 @@ fn summarise((rig, tuned, weather): (Rig, Tuned, Weather), flights: &[(Vehicle, 
         .map(|(_, outcomes)| [0, 1, 2].map(|k| outcomes[k].late_rms_deg))
         .filter(|[wrong, right, _]| *wrong > 1.01 * right)
         .collect();
+    let is_lost = |outcome: &Outcome| !(outcome.late_rms_deg.is_finite() && outcome.tilt_deg < 90.0);
+    let count = |of: &dyn Fn(&[Outcome; 3]) -> bool| flights.iter().filter(|(_, outcomes)| of(outcomes)).count();
     let of_costly = |of: fn(&[f64; 3]) -> f64| costly.iter().map(of).sum::<f64>();
     let largest = |of: fn([f64; 3]) -> f64| {
         let each = flights.iter().map(|(_, outcomes)| of([0, 1, 2].map(|k| outcomes[k].late_rms_deg)));
@@ -139,10 +145,9 @@ fn summarise((rig, tuned, weather): (Rig, Tuned, Weather), flights: &[(Vehicle, 
         costly: costly.len(),
         worst_pct: largest(|[wrong, right, learns]| learns / wrong.max(right) - 1.0),
         worst_beside_wrong_pct: largest(|[wrong, _, learns]| learns / wrong - 1.0),
-        lost: [0, 1, 2].map(|k| {
-            let is_lost = |outcome: &Outcome| !(outcome.late_rms_deg.is_finite() && outcome.tilt_deg < 90.0);
-            flights.iter().filter(|(_, outcomes)| is_lost(&outcomes[k])).count()
-        }),
+        worse_than_wrong: [1, 2].map(|k| count(&|outcomes| outcomes[k].late_rms_deg > 1.01 * outcomes[0].late_rms_deg)),
+        lost: [0, 1, 2].map(|k| count(&|outcomes| is_lost(&outcomes[k]))),
+        lost_by_learning: count(&|[wrong, _, learns]| is_lost(learns) && !is_lost(wrong)),
     }
 }
 
@@ -191,12 +196,13 @@ pub fn table_of_flying(rows: &[Row]) -> String {
     let mut text = String::from(
         "| rig | tuning | air | RMS, deg: wrong model | right model | learning | costly vehicles \
          | of their loss given back, % | worst beside both, % | worst beside the wrong model, % \
-         | lost: wrong, right, learning |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+         | vehicles beyond 1 %: right model, learning | lost: wrong, right, learning (alone) |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         let [wrong, right, learns] = row.rms_deg;
         text += &format!(
-            "| {} | {} | {} | {wrong:.2} | {right:.2} | {learns:.2} | {} | {:.0} | {:+.1} | {:+.1} | {}, {}, {} |\n",
+            "| {} | {} | {} | {wrong:.2} | {right:.2} | {learns:.2} | {} | {:.0} | {:+.1} | {:+.1} | {}, {} \
+             | {}, {}, {} ({}) |\n",
             row.rig,
             row.tuned.name(),
             row.weather.name(),
@@ -204,9 +210,12 @@ pub fn table_of_flying(rows: &[Row]) -> String {
             row.recovered_pct,
             row.worst_pct,
             row.worst_beside_wrong_pct,
+            row.worse_than_wrong[0],
+            row.worse_than_wrong[1],
             row.lost[0],
             row.lost[1],
             row.lost[2],
+            row.lost_by_learning,
         );
     }
     text

@@ -1,24 +1,35 @@
-//! Vehicles that are not what their controller knows, as the tables of docs/learning.md: `cargo run --release -p
-//! campaigns --bin adaptation`, with `-- --json FILE` also as rows in a file; `tenth` flies a tenth of it,
-//! `tenthousand` as many vehicles in all.
+//! `cargo run --release -p campaigns --bin adaptation`.
 
 use std::process::ExitCode;
 
 use campaigns::adaptation::{rows, table_of_flying, table_of_learning};
-use campaigns::arguments::Arguments;
+use campaigns::rows_file::RowsFile;
+use clap::{Parser, ValueEnum};
 
-/// Vehicles a row.
-const VEHICLES: u64 = 200;
-/// The same for ten thousand in all.
-const MANY_VEHICLES: u64 = 1000;
+/// Vehicles that are not what their controller knows: the tables of docs/learning.md, 200 vehicles a row.
+#[derive(Parser)]
+struct Arguments {
+    part: Option<Part>,
+    #[command(flatten)]
+    rows: RowsFile,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Part {
+    /// 20 vehicles a row
+    Tenth,
+    /// 1000 vehicles a row, ten thousand in all
+    Tenthousand,
+}
 
 fn main() -> ExitCode {
-    let arguments = match Arguments::of_process_or("adaptation", "tenthousand") {
-        Ok(arguments) => arguments,
-        Err(status) => return status,
+    let arguments = Arguments::parse();
+    let vehicles = match arguments.part {
+        Some(Part::Tenth) => 20,
+        None => 200,
+        Some(Part::Tenthousand) => 1000,
     };
-    let vehicles = if arguments.has_word { MANY_VEHICLES } else { VEHICLES };
-    let rows = rows(vehicles / arguments.parts);
+    let rows = rows(vehicles);
     print!("{}\n{}", table_of_learning(&rows), table_of_flying(&rows));
-    arguments.write(&rows)
+    arguments.rows.write(&rows)
 }

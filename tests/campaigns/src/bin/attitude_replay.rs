@@ -1,6 +1,13 @@
-//! The estimator on measured flights, as the table of docs/attitude-error.md:
-//! `cargo run --release -p campaigns --bin attitude_replay`, with the logs in `$SIL_DATA`.
+//! `cargo run --release -p campaigns --bin attitude_replay`.
+
+use campaigns::attitude_replay::{replayed, table};
+use clap::Parser;
+
+/// The estimator on measured flights, with the logs in `$SIL_DATA`: the table of docs/attitude-error.md.
+#[derive(Parser)]
+struct Arguments {}
 
 fn main() {
-    print!("{}", campaigns::attitude_replay::table(&campaigns::attitude_replay::replayed()));
+    Arguments::parse();
+    print!("{}", table(&replayed()));
 }

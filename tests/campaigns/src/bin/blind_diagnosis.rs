@@ -1,40 +1,71 @@
-//! The blind campaigns: `cargo run --release -p campaigns --bin blind_diagnosis -- [CAMPAIGN [COUNT [FIRST
-//! [FOLDER]]]]`, CAMPAIGN one of singles, nominal, lost-commands, pairs, triples, outside, free, reality; all of them
-//! without one. Tables go to the terminal, every case before them as it is done; logs go to the folder, where one is
-//! given, and beside them the true vehicles and the model files that are wrong on purpose.
-//!
-//! `tenth` in the campaign's place runs a fixed tenth of each, and fails where fewer answers are right than there were.
+//! `cargo run --release -p campaigns --bin blind_diagnosis`.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use campaigns::blind::{BesideReality, Campaign, DURATION_S, Outcome, campaign};
+use campaigns::blind::{BesideReality, Campaign, Case, DURATION_S, Outcome, campaign};
+use clap::{Parser, Subcommand};
+
+/// The blind campaigns of docs/diagnosis.md: effects are hidden in simulated logs and looked for. Tables go to the
+/// terminal, every case before them as it is done.
+#[derive(Parser)]
+#[command(args_conflicts_with_subcommands = true)]
+struct Arguments {
+    #[command(subcommand)]
+    part: Option<Part>,
+    /// One of `singles`, `nominal`, `lost-commands`, `pairs`, `triples`, `outside`, `free` and `reality`; all of them
+    /// if none is given
+    #[arg(value_parser = campaign_of)]
+    campaign: Option<Campaign>,
+    /// Cases of each, instead of all
+    count: Option<u64>,
+    /// Seed of the first one
+    #[arg(default_value_t = 0)]
+    first: u64,
+    /// Where the logs go, and beside them the true vehicles and the model files that are wrong on purpose
+    folder: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Subcommand)]
+enum Part {
+    /// Run a fixed tenth of each, and fail where fewer answers are right than there were
+    Tenth,
+}
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if arguments.first().is_some_and(|first| first == "tenth") {
+    let arguments = Arguments::parse();
+    if arguments.part.is_some() {
         return tenth();
     }
     // cases are many; more threads than this are somebody else's
     rayon::ThreadPoolBuilder::new().num_threads(2).build_global().expect("the first pool");
-    let number = |place: usize| arguments.get(place).map(|text| text.parse::<u64>().expect("a number"));
-    let chosen = |campaign: &&Campaign| arguments.first().is_none_or(|name| name == campaign.name());
-    for campaign in Campaign::ALL.iter().filter(chosen) {
-        let first = number(2).unwrap_or(0);
-        let seeds: Vec<u64> = (first..first + number(1).unwrap_or(campaign.cases())).collect();
+    let is_chosen = |campaign: &&Campaign| arguments.campaign.is_none_or(|chosen| chosen == **campaign);
+    for campaign in Campaign::ALL.iter().filter(is_chosen) {
+        let last = arguments.first.saturating_add(arguments.count.unwrap_or(campaign.cases()));
+        let seeds: Vec<u64> = (arguments.first..last).collect();
         let score = campaign.run(&seeds, DURATION_S, |case, outcome| {
             print_case(outcome);
-            if let Some(folder) = arguments.get(3) {
-                let file = |end: &str| format!("{folder}/{}-{}{end}", campaign.name(), case.seed);
-                std::fs::write(file(".csv"), &case.csv).expect("the folder is there");
-                std::fs::write(file("-truth.toml"), case.vehicle.to_toml()).expect("the folder is there");
-                if let Some(reality) = &case.reality {
-                    std::fs::write(file(".toml"), reality.given.to_toml()).expect("the folder is there");
-                }
+            if let Some(folder) = &arguments.folder
+                && let Err(reason) = keep(folder, *campaign, case)
+            {
+                eprintln!("{}: {reason}", folder.display());
             }
         });
         println!("\n{}", campaign.report(&score));
     }
     ExitCode::SUCCESS
+}
+
+fn campaign_of(name: &str) -> Result<Campaign, String> {
+    let named = Campaign::ALL.into_iter().find(|campaign| campaign.name() == name);
+    named.ok_or_else(|| format!("it may be {}", Campaign::ALL.map(Campaign::name).join(", ")))
+}
+
+fn keep(folder: &Path, campaign: Campaign, case: &Case) -> std::io::Result<()> {
+    let file = |end: &str| folder.join(format!("{}-{}{end}", campaign.name(), case.seed));
+    std::fs::write(file(".csv"), &case.csv)?;
+    std::fs::write(file("-truth.toml"), case.vehicle.to_toml())?;
+    case.reality.as_ref().map_or(Ok(()), |reality| std::fs::write(file(".toml"), reality.given.to_toml()))
 }
 
 /// All campaigns' cases side by side, on all cores; printed in their order.

@@ -1,77 +1,99 @@
-//! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune |
-//! front [free] | chosen [DRAWS] | free [DRAWS] | shipped [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at some
-//! shapings, `tune` writes the controller files of those tuned for RMS, `front` makes the Pareto study, on the gimbal
-//! or in free flight, and writes the files of its balanced points, all under tests/campaigns/comparison; `chosen` flies
-//! those of the gimbal over so many draws (200), `free` those of free flight and what follows from the vehicle,
-//! `shipped` the latter on both rigs; otherwise all that were tuned for RMS and parts of them are flown. Rows of the
-//! last five as JSON.
+//! `cargo run --release -p campaigns --bin controller_comparison`.
 
 use std::path::Path;
 use std::process::ExitCode;
 
-use campaigns::comparison::campaign;
-use serde::Serialize;
+use campaigns::comparison::campaign::{self, DRAWS};
+use campaigns::rows_file::RowsFile;
+use clap::{Parser, Subcommand, ValueEnum};
 use sil_host::model::Rig;
+
+/// MPC against the cascade: the tables of docs/mpc-against-cascade.md and docs/tuning.md. Without a command all that
+/// were tuned for RMS and parts of them are flown.
+#[derive(Parser)]
+#[command(args_conflicts_with_subcommands = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    flights: Flights,
+}
+
+#[derive(clap::Args)]
+struct Flights {
+    /// Vehicles and gusts that are drawn
+    #[arg(default_value_t = DRAWS, value_parser = clap::value_parser!(u64).range(1..))]
+    draws: u64,
+    #[command(flatten)]
+    rows: RowsFile,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Tune both at some shapings
+    Scan,
+    /// Write the controller files of those tuned for RMS, under tests/campaigns/comparison
+    Tune,
+    /// Make the Pareto study, and write the files of its balanced points, under tests/campaigns/comparison
+    Front {
+        #[arg(value_enum, default_value_t = On::Gimbal)]
+        rig: On,
+        #[command(flatten)]
+        rows: RowsFile,
+    },
+    /// Fly the balanced points of the gimbal
+    Chosen(Flights),
+    /// Fly those of free flight, and what follows from the vehicle
+    Free(Flights),
+    /// Fly what follows from the vehicle, on both rigs
+    Shipped(Flights),
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum On {
+    /// The thesis' testbed
+    Gimbal,
+    /// In free flight
+    Free,
+}
 
 fn main() -> ExitCode {
     // flights are many and short; more threads than this are somebody else's
     rayon::ThreadPoolBuilder::new().num_threads(2).build_global().expect("the first pool");
-    let mut words: Vec<String> = std::env::args().skip(1).collect();
-    let named = words.iter().position(|word| word == "--json");
-    let file = named.filter(|&place| place + 2 == words.len()).and_then(|place| words.drain(place..).nth(1));
-    let file = file.as_deref();
-    let ended = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["scan"] if file.is_none() => {
+    let arguments = Arguments::parse();
+    match arguments.command {
+        Some(Command::Scan) => {
             print!("{}", campaign::scan());
-            Some(ExitCode::SUCCESS)
+            ExitCode::SUCCESS
         }
-        ["tune"] if file.is_none() => {
-            tune();
-            Some(ExitCode::SUCCESS)
+        Some(Command::Tune) => {
+            let names = ["mpc-for-rms.toml", "cascade-for-rms.toml", "indi.toml"];
+            names.into_iter().zip(&campaign::tune()).for_each(|(name, text)| keep(name, text));
+            ExitCode::SUCCESS
         }
-        ["front"] => Some(front(Rig::Gimbal, file)),
-        ["front", "free"] => Some(front(Rig::Free, file)),
-        ["chosen"] => Some(show(&campaign::chosen(campaign::DRAWS), file)),
-        ["chosen", count] => draws(count).map(|count| show(&campaign::chosen(count), file)),
-        ["free"] => Some(show(&campaign::in_free_flight(campaign::DRAWS), file)),
-        ["free", count] => draws(count).map(|count| show(&campaign::in_free_flight(count), file)),
-        ["shipped"] => Some(shipped(campaign::DRAWS, file)),
-        ["shipped", count] => draws(count).map(|count| shipped(count, file)),
-        [] => Some(all(campaign::DRAWS, file)),
-        [count] => draws(count).map(|count| all(count, file)),
-        _ => None,
-    };
-    ended.unwrap_or_else(|| {
-        eprintln!(
-            "usage: controller_comparison [scan | tune | front [free] | chosen [DRAWS] | free [DRAWS] | \
-             shipped [DRAWS] | DRAWS] [--json FILE]"
-        );
-        ExitCode::from(2)
-    })
+        Some(Command::Front { rig: On::Gimbal, rows }) => front(Rig::Gimbal, &rows),
+        Some(Command::Front { rig: On::Free, rows }) => front(Rig::Free, &rows),
+        Some(Command::Chosen(Flights { draws, rows })) => show(&campaign::chosen(draws), &rows),
+        Some(Command::Free(Flights { draws, rows })) => show(&campaign::in_free_flight(draws), &rows),
+        Some(Command::Shipped(Flights { draws, rows })) => {
+            let both = campaign::shipped(draws);
+            print!("{}", both.each_ref().map(campaign::shown_report).join("\n"));
+            rows.write(&both)
+        }
+        None => {
+            let results = campaign::results(arguments.flights.draws);
+            print!("{}", campaign::report(&results));
+            arguments.flights.rows.write(&results)
+        }
+    }
 }
 
-fn draws(word: &str) -> Option<u64> {
-    word.parse().ok().filter(|&count| count > 0)
-}
-
-fn all(count: u64, file: Option<&str>) -> ExitCode {
-    let results = campaign::results(count);
-    print!("{}", campaign::report(&results));
-    write_rows(file, &results)
-}
-
-fn shipped(count: u64, file: Option<&str>) -> ExitCode {
-    let both = campaign::shipped(count);
-    print!("{}", both.each_ref().map(campaign::shown_report).join("\n"));
-    write_rows(file, &both)
-}
-
-fn show(shown: &campaign::Shown, file: Option<&str>) -> ExitCode {
+fn show(shown: &campaign::Shown, rows: &RowsFile) -> ExitCode {
     print!("{}", campaign::shown_report(shown));
-    write_rows(file, shown)
+    rows.write(shown)
 }
 
-fn front(rig: Rig, file: Option<&str>) -> ExitCode {
+fn front(rig: Rig, rows: &RowsFile) -> ExitCode {
     let outcome = campaign::front(rig);
     print!("{}", campaign::front_report(&outcome));
     let names = match rig {
@@ -84,12 +106,7 @@ fn front(rig: Rig, file: Option<&str>) -> ExitCode {
             None => eprintln!("{name}: no point within the limits, the file stays"),
         }
     }
-    write_rows(file, &outcome.rows)
-}
-
-fn tune() {
-    let names = ["mpc-for-rms.toml", "cascade-for-rms.toml", "indi.toml"];
-    names.into_iter().zip(&campaign::tune()).for_each(|(name, text)| keep(name, text));
+    rows.write(&outcome.rows)
 }
 
 /// Writes a controller file, and shows it.
@@ -97,14 +114,4 @@ fn keep(name: &str, text: &str) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("comparison");
     std::fs::write(folder.join(name), text).expect("the folder is there");
     println!("\n{name}:\n{text}");
-}
-
-fn write_rows(file: Option<&str>, rows: &impl Serialize) -> ExitCode {
-    if let Some(file) = file
-        && let Err(error) = std::fs::write(file, serde_json::to_string(rows).expect("plain numbers"))
-    {
-        eprintln!("{file}: {error}");
-        return ExitCode::FAILURE;
-    }
-    ExitCode::SUCCESS
 }

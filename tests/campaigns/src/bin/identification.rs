@@ -1,12 +1,17 @@
-//! The table of docs/identification.md: `cargo run --release -p campaigns --bin identification [VEHICLES]`.
+//! `cargo run --release -p campaigns --bin identification`.
 
 use campaigns::identification::{Drawn, Outcome, Total};
+use clap::Parser;
 
-/// As many as the page's table has.
-const VEHICLES: u64 = 10;
+/// Vehicles drawn at random, identified from their flights: the table of docs/identification.md.
+#[derive(Parser)]
+struct Arguments {
+    /// As many as the page's table has, if not given
+    #[arg(default_value_t = 10)]
+    vehicles: u64,
+}
 
 fn main() {
-    let vehicles = std::env::args().nth(1).and_then(|count| count.parse().ok()).unwrap_or(VEHICLES);
-    let outcomes: Vec<Outcome> = (0..vehicles).map(|seed| Outcome::of(Drawn::new(seed))).collect();
+    let outcomes: Vec<Outcome> = (0..Arguments::parse().vehicles).map(|seed| Outcome::of(Drawn::new(seed))).collect();
     print!("{}", Total(&outcomes));
 }

@@ -1,7 +1,7 @@
-//! What the motors' limits and several linearisations do in flight, as the tables of docs/motor-limits.md and
-//! docs/switching-mpc.md: `cargo run --release -p campaigns --bin limits_and_switching`.
+//! `cargo run --release -p campaigns --bin limits_and_switching`.
 
 use campaigns::limits_and_switching::{Flown, route};
+use clap::Parser;
 use sil_host::controller_file::{ReferenceName, TuningChange};
 use sil_host::effects::Effect;
 use sil_host::model::{Rig, VehicleModel};
@@ -13,7 +13,13 @@ const SEEDS: u64 = 3;
 const CORNERS_DEG: [(f64, f64); 8] =
     [(60.0, 60.0), (0.0, 0.0), (60.0, -60.0), (0.0, 0.0), (-60.0, 60.0), (0.0, 0.0), (-60.0, -60.0), (0.0, 0.0)];
 
+/// What the motors' limits and several linearisations do in flight: the tables of docs/motor-limits.md and
+/// docs/switching-mpc.md.
+#[derive(Parser)]
+struct Arguments {}
+
 fn main() {
+    Arguments::parse();
     let gimbal = VehicleModel::nominal(Rig::Gimbal);
     motor_limits(&gimbal);
     let gravity = Effect::parse("cg_offset:axis=pitch,cos_moment_nm=0.1", Rig::Gimbal).expect("an effect");

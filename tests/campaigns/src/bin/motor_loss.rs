@@ -1,27 +1,40 @@
-//! Motors that fail in free flight, as the tables of docs/motor-loss.md: `cargo run --release -p campaigns --bin
-//! motor_loss`, with `-- --json FILE` also as rows in a file; `tenth` flies a tenth of it. `-- logs` goes through
-//! flights that other people recorded instead.
+//! `cargo run --release -p campaigns --bin motor_loss`.
 
 use std::process::ExitCode;
 
-use campaigns::arguments::Arguments;
 use campaigns::motor_loss::{alarm_table, alarms, real_logs, rows, table};
+use campaigns::rows_file::RowsFile;
+use clap::{Parser, ValueEnum};
 
 /// Flights of each failure, 14,560 in all with a core that can notice it; and minutes without one, 100 hours in all.
 const SEEDS: u64 = 140;
 const MINUTES: u64 = 750;
 
+/// Motors that fail in free flight: the tables of docs/motor-loss.md.
+#[derive(Parser)]
+struct Arguments {
+    part: Option<Part>,
+    #[command(flatten)]
+    rows: RowsFile,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// A tenth of it
+    Tenth,
+    /// Flights that other people recorded instead, in `$SIL_DATA`
+    Logs,
+}
+
 fn main() -> ExitCode {
-    let arguments = match Arguments::of_process_or("motor_loss", "logs") {
-        Ok(arguments) => arguments,
-        Err(status) => return status,
-    };
-    if arguments.has_word {
+    let arguments = Arguments::parse();
+    if arguments.part == Some(Part::Logs) {
         let (quiet, found) = real_logs::searched();
         print!("{}", real_logs::table(&quiet, &found));
-        return arguments.write(&serde_json::json!({ "as_recorded": quiet, "with_losses": found }));
+        return arguments.rows.write(&serde_json::json!({ "as_recorded": quiet, "with_losses": found }));
     }
-    let (rows, alarms) = (rows(SEEDS / arguments.parts), alarms(MINUTES / arguments.parts));
+    let divisor = if arguments.part.is_some() { 10 } else { 1 };
+    let (rows, alarms) = (rows(SEEDS / divisor), alarms(MINUTES / divisor));
     print!("{}\n{}", table(&rows), alarm_table(&alarms));
-    arguments.write(&serde_json::json!({ "failures": rows, "alarms": alarms }))
+    arguments.rows.write(&serde_json::json!({ "failures": rows, "alarms": alarms }))
 }

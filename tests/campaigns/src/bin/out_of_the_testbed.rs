@@ -1,24 +1,24 @@
-//! The vehicle taken out of the testbed, with the testbed's controllers and with its own: the tables of
-//! docs/out-of-the-testbed.md. `-- --json FILE` writes the rows.
+//! `cargo run --release -p campaigns --bin out_of_the_testbed`.
+
+use std::process::ExitCode;
 
 use campaigns::out_of_the_testbed::{Outcome, TakenFor, outcomes};
+use campaigns::rows_file::RowsFile;
+use clap::Parser;
 
-fn main() -> std::io::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let json = match &arguments[..] {
-        [] => None,
-        [flag, file] if flag == "--json" => Some(file),
-        _ => {
-            eprintln!("usage: out_of_the_testbed [--json FILE]");
-            std::process::exit(2);
-        }
-    };
+/// The vehicle taken out of the testbed, with the testbed's controllers and with its own: the tables of
+/// docs/out-of-the-testbed.md.
+#[derive(Parser)]
+struct Arguments {
+    #[command(flatten)]
+    rows: RowsFile,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
     let outcomes = outcomes();
     print!("{}\n{}", steps(&outcomes), pushes(&outcomes));
-    if let Some(file) = json {
-        std::fs::write(file, serde_json::to_string_pretty(&outcomes)? + "\n")?;
-    }
-    Ok(())
+    arguments.rows.write(&outcomes)
 }
 
 fn head(outcome: &Outcome) -> String {

@@ -1,19 +1,4 @@
-//! What other people's logs show. The logs are looked for in `$SIL_DATA`.
-//!
-//! - `cargo run --release -p campaigns --bin real_logs`: the tables of docs/real-logs.md.
-//! - `... -- baseline`: CrazyPAD's flights against normal flights of their airframe.
-//! - `... -- stand`: what the runs of the 3-DoF stand say of one vehicle's constants.
-//! - `... -- scoreboard [OPTIONS]`: how right the diagnosis is on every log (`campaigns::real_logs::scoreboard`).
-//! - `... -- injection [OPTIONS]`: are known effects named that were put into each log
-//!   (`campaigns::real_logs::injection_score`)? With `--against recorded` or `--against others` the answers are
-//!   those of `sil diagnose --baseline` (`campaigns::real_logs::injection_baseline`).
-//!
-//! Options: `--folder DIR` the logs of this folder, each as `sil diagnose LOG` takes it, with `LOG.map.toml` beside it
-//! for its map, instead of those of `$SIL_DATA`; `--only TEXT` (repeatable) logs whose `VEHICLE/LOG` contains it;
-//! `--quick` without halves and cuts; `--no-cuts` without cuts; `--no-stability` each answer as `sil diagnose --quick`
-//! gives it; `--patience S` no further cut of a log after so many seconds; `--threads N` so many logs side by side (1);
-//! `--json FILE` all figures; `--list` the logs' names alone. An injection knows `--folder`, `--only`, `--threads`,
-//! `--json`, `--list` and `--against`.
+//! `cargo run --release -p campaigns --bin real_logs`. The logs are looked for in `$SIL_DATA`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -23,75 +8,114 @@ use std::sync::Mutex;
 use campaigns::real_logs::injection_baseline::{self, Normal};
 use campaigns::real_logs::scoreboard::{self, Effort, Entry, Scoreboard};
 use campaigns::real_logs::{folder, injection_score, stand, tables};
+use campaigns::rows_file::RowsFile;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// What other people's logs show, in `$SIL_DATA`: the tables of docs/real-logs.md.
+#[derive(Parser)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// CrazyPAD's flights against normal flights of their airframe
+    Baseline,
+    /// What the runs of the 3-DoF stand say of one vehicle's constants
+    Stand,
+    /// How right the diagnosis is on every log
+    Scoreboard {
+        #[command(flatten)]
+        logs: Logs,
+        /// Without halves and cuts
+        #[arg(long)]
+        quick: bool,
+        /// Without cuts
+        #[arg(long)]
+        no_cuts: bool,
+        /// Each answer as `sil diagnose --quick` gives it
+        #[arg(long)]
+        no_stability: bool,
+        /// No further cut of a log after so many seconds
+        #[arg(long, value_name = "SECONDS", default_value_t = f64::INFINITY, hide_default_value = true)]
+        patience: f64,
+    },
+    /// Are known effects named that were put into each log?
+    Injection {
+        #[command(flatten)]
+        logs: Logs,
+        /// Answers of `sil diagnose --baseline`, the log as it was recorded or other logs of the vehicle being normal
+        #[arg(long)]
+        against: Option<Against>,
+    },
+}
+
+#[derive(Args)]
+struct Logs {
+    /// The logs of this folder instead of those of `$SIL_DATA`, each with LOG.map.toml beside it for its map
+    #[arg(long, value_name = "DIR")]
+    folder: Option<PathBuf>,
+    /// Logs whose VEHICLE/LOG contains it; repeatable
+    #[arg(long, value_name = "TEXT")]
+    only: Vec<String>,
+    /// So many logs side by side
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
+    /// The logs' names alone
+    #[arg(long)]
+    list: bool,
+    #[command(flatten)]
+    figures: RowsFile,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Against {
+    Recorded,
+    Others,
+}
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if !arguments.iter().any(|argument| argument == "--folder") && folder().is_none() {
+    let arguments = Arguments::parse();
+    let logs = match &arguments.command {
+        Some(Command::Scoreboard { logs, .. } | Command::Injection { logs, .. }) => Some(logs),
+        _ => None,
+    };
+    if logs.is_none_or(|logs| logs.folder.is_none()) && folder().is_none() {
         return ExitCode::SUCCESS;
     }
-    let result = match arguments.split_first() {
+    let result = match arguments.command {
         None => {
             tables::print();
             Ok(())
         }
-        Some((first, [])) if first == "baseline" => {
+        Some(Command::Baseline) => {
             tables::print_baseline();
             Ok(())
         }
-        Some((first, [])) if first == "stand" => {
+        Some(Command::Stand) => {
             stand::print();
             Ok(())
         }
-        Some((first, options)) if first == "scoreboard" => Options::read(options).and_then(|options| options.score()),
-        Some((first, options)) if first == "injection" => Options::read(options).and_then(|options| options.inject()),
-        Some((other, _)) => {
-            Err(format!("unknown command `{other}`; it may be `baseline`, `stand`, `scoreboard` or `injection`"))
+        Some(Command::Scoreboard { logs, quick, no_cuts, no_stability, patience }) => {
+            let (halves, cuts) = (!quick, !quick && !no_cuts);
+            logs.score(&Effort { stability: !no_stability, halves, cuts, patience_s: patience })
         }
+        Some(Command::Injection { logs, against }) => logs.inject(against.map(|against| match against {
+            Against::Recorded => Normal::Recorded,
+            Against::Others => Normal::Others,
+        })),
     };
     result.map_or_else(
         |message| {
             eprintln!("{message}");
-            ExitCode::from(2)
+            ExitCode::FAILURE
         },
         |()| ExitCode::SUCCESS,
     )
 }
 
-struct Options {
-    folder: Option<PathBuf>,
-    only: Vec<String>,
-    effort: Effort,
-    threads: usize,
-    json: Option<String>,
-    is_list: bool,
-    against: Option<Normal>,
-}
-
-impl Options {
-    fn read(arguments: &[String]) -> Result<Options, String> {
-        let effort = Effort { stability: true, halves: true, cuts: true, patience_s: f64::INFINITY };
-        let mut options =
-            Options { folder: None, only: Vec::new(), effort, threads: 1, json: None, is_list: false, against: None };
-        let mut arguments = arguments.iter();
-        while let Some(option) = arguments.next() {
-            let mut value = || arguments.next().cloned().ok_or(format!("{option} needs a value"));
-            match option.as_str() {
-                "--folder" => options.folder = Some(PathBuf::from(value()?)),
-                "--only" => options.only.push(value()?),
-                "--json" => options.json = Some(value()?),
-                "--threads" => options.threads = number(&value()?)?,
-                "--patience" => options.effort.patience_s = number(&value()?)?,
-                "--quick" => options.effort = Effort { halves: false, cuts: false, ..options.effort },
-                "--no-cuts" => options.effort.cuts = false,
-                "--no-stability" => options.effort.stability = false,
-                "--against" => options.against = Some(normal(&value()?)?),
-                "--list" => options.is_list = true,
-                other => return Err(format!("unknown option `{other}`")),
-            }
-        }
-        Ok(options)
-    }
-
+impl Logs {
     /// The logs that are chosen; none where only their names are wanted, which it prints.
     fn entries(&self) -> Result<Vec<Entry>, String> {
         let is_chosen = |label: &str| self.only.is_empty() || self.only.iter().any(|text| label.contains(text));
@@ -108,69 +132,51 @@ impl Options {
             }
         };
         entries.retain(|entry| self.folder.is_some() || is_chosen(&entry.label()));
-        if self.is_list {
+        if self.list {
             entries.iter().for_each(|entry| println!("{}", entry.label()));
             entries.clear();
         }
         Ok(entries)
     }
 
-    fn score(&self) -> Result<(), String> {
+    fn score(&self, effort: &Effort) -> Result<(), String> {
         let entries = self.entries()?;
         // a campaign of hours that is ended early leaves the figures that it had
         let so_far = Mutex::new(BTreeMap::new());
         let logs = scoreboard::side_by_side(
             &entries,
             self.threads,
-            |entry| scoreboard::score(entry, &self.effort),
+            |entry| scoreboard::score(entry, effort),
             |place, score| {
                 eprint!("{}", scoreboard::of_log(score));
                 let mut so_far = so_far.lock().expect("no thread panics here");
                 so_far.insert(place, score.clone());
-                if let Err(message) = self.write(&Scoreboard::of(so_far.values().cloned().collect())) {
+                if let Err(message) = self.figures.written(&Scoreboard::of(so_far.values().cloned().collect())) {
                     eprintln!("{message}");
                 }
             },
         );
-        if self.is_list {
+        if self.list {
             return Ok(());
         }
         logs.iter().for_each(|score| print!("{}", scoreboard::of_log(score)));
         println!("\n{}", scoreboard::of_summary(&logs));
-        self.write(&Scoreboard::of(logs))
+        self.figures.written(&Scoreboard::of(logs))
     }
 
-    fn inject(&self) -> Result<(), String> {
-        let score = |entry: &Entry| match self.against {
+    fn inject(&self, against: Option<Normal>) -> Result<(), String> {
+        let score = |entry: &Entry| match against {
             Some(normal) => injection_baseline::score(entry, normal),
             None => injection_score::score(entry),
         };
         let outcomes = scoreboard::side_by_side(&self.entries()?, self.threads, score, |_, outcomes| {
             outcomes.iter().for_each(|one| eprintln!("{}", injection_score::line(one)))
         });
-        if self.is_list {
+        if self.list {
             return Ok(());
         }
         let outcomes = outcomes.concat();
         print!("{}", injection_score::table(&outcomes));
-        self.write(&outcomes)
+        self.figures.written(&outcomes)
     }
-
-    fn write(&self, figures: &impl serde::Serialize) -> Result<(), String> {
-        let Some(file) = &self.json else { return Ok(()) };
-        let text = serde_json::to_string_pretty(figures).map_err(|e| e.to_string())?;
-        std::fs::write(file, text + "\n").map_err(|e| format!("{file}: {e}"))
-    }
-}
-
-fn normal(text: &str) -> Result<Normal, String> {
-    match text {
-        "recorded" => Ok(Normal::Recorded),
-        "others" => Ok(Normal::Others),
-        _ => Err(format!("`{text}` is no baseline: it may be `recorded` or `others`")),
-    }
-}
-
-fn number<N: std::str::FromStr>(text: &str) -> Result<N, String> {
-    text.parse().map_err(|_| format!("`{text}` is no number"))
 }

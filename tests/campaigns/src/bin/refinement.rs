@@ -1,17 +1,23 @@
-//! The table of docs/refine.md: `cargo run --release -p campaigns --bin refinement [BENCHES [FIRST]]`.
+//! `cargo run --release -p campaigns --bin refinement`.
 
 use campaigns::refinement::{Drawn, Outcome, Total};
+use clap::Parser;
 use rayon::prelude::*;
 
-/// As many as the page's table has.
-const BENCHES: u64 = 80;
-/// The page's first; those below served the design of the estimator.
-const FIRST: u64 = 1000;
+/// Benches of propulsions drawn at random: the table of docs/refine.md.
+#[derive(Parser)]
+struct Arguments {
+    /// As many as the page's table has, if not given
+    #[arg(default_value_t = 80)]
+    benches: u64,
+    /// Seed of the first one; those below the page's served the design of the estimator
+    #[arg(default_value_t = 1000)]
+    first: u64,
+}
 
 fn main() {
-    let number = |place: usize| std::env::args().nth(place).map(|text| text.parse::<u64>().expect("a number"));
-    let (benches, first) = (number(1).unwrap_or(BENCHES), number(2).unwrap_or(FIRST));
-    let outcomes: Vec<Outcome> =
-        (first..first + benches).into_par_iter().map(|seed| Outcome::of(&Drawn::new(seed))).collect();
+    let Arguments { benches, first } = Arguments::parse();
+    let seeds = first..first.saturating_add(benches);
+    let outcomes: Vec<Outcome> = seeds.into_par_iter().map(|seed| Outcome::of(&Drawn::new(seed))).collect();
     print!("{}", Total(&outcomes));
 }

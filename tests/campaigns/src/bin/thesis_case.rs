@@ -1,6 +1,7 @@
-//! The tables of docs/thesis-case.md: `cargo run --release -p campaigns --bin thesis_case`.
+//! `cargo run --release -p campaigns --bin thesis_case`.
 
 use campaigns::thesis_case::{Diagnosed, Tracking, controllers, log_of};
+use clap::Parser;
 use shared_control::config::Controller;
 use sil_host::comparison::compare;
 use sil_host::controller_file::ControllerChoice;
@@ -11,7 +12,12 @@ use sil_host::thesis::{RING_MOMENT_NM, off_balance, thesis_mpc};
 /// Moments of the ring around the one that the case is made of, N m.
 const MOMENTS_NM: [f64; 7] = [0.05, 0.1, 0.15, 0.18, 0.2, 0.22, 0.25];
 
+/// The tables of docs/thesis-case.md.
+#[derive(Parser)]
+struct Arguments {}
+
 fn main() {
+    Arguments::parse();
     let mpc = thesis_mpc().expect("a controller file");
     println!("Nominal closed loop of the thesis' MPC against its log, mean deviation, degrees\n");
     println!("| ring, N m | roll | pitch |\n|---|---|---|");
