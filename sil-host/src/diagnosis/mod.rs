@@ -41,6 +41,7 @@ mod lateness;
 mod noise;
 mod nominal;
 mod observability;
+mod ordinary_motors;
 mod plausible;
 mod progress;
 mod remainder;

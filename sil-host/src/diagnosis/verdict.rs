@@ -10,6 +10,7 @@ use super::estimate::Estimate;
 use super::fitted::{Fitted, per_unit_inertia};
 use super::found::Found;
 use super::lateness::count_lateness;
+use super::ordinary_motors::count_others;
 use super::search::{Candidate, SEPARABLE, Search};
 use super::stability::Stability;
 use super::{ChannelStatistics, Unexplained};
@@ -237,6 +238,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) 
     let effect = term.effect;
     let mut parameters = estimates(refitted, index, model_error(&search.shooting.log));
     count_lateness(search, refitted, effect, &mut parameters);
+    count_others(&refitted.terms, &mut parameters, effect.name());
     let mut names = effect.reported_names();
     // separate axes have a gain each that is fitted along, and no inertia
     if !search.shooting.log.is_vehicle() {

@@ -98,7 +98,9 @@ fn wrong(vehicle: &VehicleModel, draws: &mut RandomStream) -> VehicleModel {
         device.reaction_torque_nm_s2 *= torque;
     }
     given.arm_m *= within(draws, [0.97, 1.03]);
-    given.inertia_kg_m2 = given.inertia_kg_m2.map(|inertia| inertia * within(draws, [0.9, 1.1]));
+    let [roll, pitch, yaw] = given.inertia_kg_m2.map(|inertia| inertia * within(draws, [0.9, 1.1]));
+    // however badly they are measured, no body has more about one axis than about the others together
+    given.inertia_kg_m2 = [roll, pitch, yaw.min(roll + pitch)];
     if let Mounting::Gimbal { ring_inertia_kg_m2 } = &mut given.mounting {
         *ring_inertia_kg_m2 *= within(draws, [0.9, 1.1]);
     }
