@@ -12,8 +12,8 @@ use sil_host::log::{Log, Map, Wanted};
 
 use crate::real_logs::{crazyflie, files, load, name_of};
 
-/// From the beginning to the end of a log, s.
-const WHOLE_S: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+/// What flew, as `sil diagnose LOG` takes it.
+const WHAT_FLEW_S: [[f64; 2]; 0] = [];
 /// A flight forth and one back, s; on the ground before, between and after.
 const CRAZYPAD_S: [[f64; 2]; 2] = [[4.5, 11.0], [18.0, 25.0]];
 /// Runs of the 3-DoF stand: name, map, from and to, s. The controllers ADRC have Euler rates for body rates, which are
@@ -55,7 +55,7 @@ pub struct Entry {
 
 #[derive(Clone, Debug)]
 enum Source {
-    /// By a shipped map, the stretches that are scored.
+    /// By a shipped map, the stretches that are scored; what flew without any.
     Mapped(&'static str, Vec<[f64; 2]>),
     /// What flew of it, read already: its vehicle was identified.
     Flown(Box<Log>),
@@ -76,8 +76,7 @@ impl Entry {
         let map = path.with_file_name(format!("{name}{MAP_BESIDE}"));
         let map = map.is_file().then(|| Map::load(&map.to_string_lossy())).transpose().map_err(|e| e.to_string())?;
         let said = Said { is_mapped: map.is_some(), ..Said::default() };
-        let mut file = std::fs::File::open(path).map_err(|e| e.to_string())?;
-        let log = Wanted { map, ..Wanted::default() }.read(path, &mut file).map_err(|e| e.to_string())?.examined();
+        let log = what_flew(path, map)?;
         let against = HeldAgainst::of(&log, &said, &[], None, &|_| ()).map_err(|e| e.to_string())?;
         let folder = path.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
         Ok(Entry { vehicle: folder, name, path: path.to_owned(), source: Source::Flown(Box::new(log)), against })
@@ -94,6 +93,10 @@ impl Entry {
     /// It can't be read.
     pub fn log(&self) -> Log {
         match &self.source {
+            Source::Mapped(map, spans_s) if spans_s.is_empty() => {
+                let map = Map::load(map).expect("a shipped map");
+                what_flew(&self.path, Some(map)).unwrap_or_else(|e| panic!("{}: {e}", self.label()))
+            }
             Source::Mapped(map, spans_s) => {
                 load(&self.path, map).within(spans_s).unwrap_or_else(|e| panic!("{}: {e}", self.label()))
             }
@@ -116,6 +119,13 @@ impl Entry {
     }
 }
 
+/// What `sil diagnose LOG` compares of a log.
+fn what_flew(path: &Path, map: Option<Map>) -> Result<Log, String> {
+    let mut file = std::fs::File::open(path).map_err(|e| e.to_string())?;
+    let log = Wanted { map, ..Wanted::default() }.read(path, &mut file).map_err(|e| e.to_string())?;
+    Ok(log.examined())
+}
+
 /// The files of a folder, but for maps beside them, in the order of their names.
 ///
 /// # Errors
@@ -136,7 +146,7 @@ pub fn files_of(folder: &Path) -> Result<Vec<PathBuf>, String> {
 /// The logs are there without some of these files.
 pub fn entries() -> Vec<Entry> {
     let mut entries: Vec<Entry> =
-        files("rig_antx_2dof", "Lab").into_iter().map(|path| Entry::new("antx", path, "antx", &[WHOLE_S])).collect();
+        files("rig_antx_2dof", "Lab").into_iter().map(|path| Entry::new("antx", path, "antx", &WHAT_FLEW_S)).collect();
     for path in files("rig_sharif_3dof", "") {
         let name = name_of(&path);
         let scored = SHARIF.iter().find(|(scored, ..)| *scored == name);
