@@ -135,7 +135,12 @@ impl HeldAgainst {
         let wants_vehicle = wants_vehicle.or(facts.first().map(|_| "--known"));
         let mut chosen = match chosen_without_identifying(log, said, wants_vehicle)? {
             Some(chosen) => chosen,
-            None => identified_from(together, called, wants_vehicle, observer)?,
+            None => {
+                // a known mass gives the ratios that a log shows their scale; put in afterwards it would change them
+                let mass = facts.iter().find(|fact| fact.name == "mass_kg" && fact.value > 0.0);
+                let scale = KnownScale { mass_kg: mass.map(|fact| fact.value), ..KnownScale::default() };
+                identified_from((together, scale), called, wants_vehicle, observer)?
+            }
         };
         chosen.controller = said.controller.clone();
         if let Some(model) = &chosen.vehicle {
@@ -253,12 +258,12 @@ fn voltage_said(of_v: f64, own_v: f64) -> Option<String> {
 
 /// The vehicle that these flights show, or separate axes with the reason.
 fn identified_from(
-    flights: &[Log],
+    (flights, scale): (&[Log], KnownScale),
     called: &str,
     wants_vehicle: Option<&'static str>,
     observer: Observer<'_>,
 ) -> Result<HeldAgainst, NotHeldAgainst> {
-    match identify_observed(flights, KnownScale::default(), observer) {
+    match identify_observed(flights, scale, observer) {
         Ok(identified) => Ok(HeldAgainst {
             vehicle: Some(identified.model.clone()),
             said: format!(

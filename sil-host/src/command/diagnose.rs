@@ -202,8 +202,9 @@ impl DiagnoseArguments {
         for normal in &self.baseline {
             command.push_str(&format!(" --baseline {}", quoted(&normal.display().to_string())));
         }
-        if self.untouched {
-            command.push_str(" --untouched");
+        let flags = [("--untouched", self.untouched), ("--quick", self.quick), ("--thorough", self.thorough)];
+        for (flag, _) in flags.into_iter().filter(|(_, is_set)| *is_set) {
+            command.push_str(&format!(" {flag}"));
         }
         command
     }
@@ -228,11 +229,12 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
         Answered::of(log, against, arguments.effort(), &|progress| line.show(progress)).map_err(bad_input)?
     };
     print(answered.text(emphasised))?;
-    arguments.write_models(&answered)?;
     if let Some(path) = &arguments.report {
         write_file(path, answered.page(&arguments.command()).to_html().as_bytes())?;
         print(format!("report          {}\n", path.display()))?;
     }
     write_json(arguments.json.as_deref(), &answered.diagnosis)?;
+    // the last, for not every vehicle can be written in a board's parameters
+    arguments.write_models(&answered)?;
     arguments.judged(answered.diagnosis.verdict)
 }

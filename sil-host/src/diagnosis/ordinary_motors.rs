@@ -1,7 +1,7 @@
-//! Motors of a healthy vehicle do not lift alike. Of one that lifts less than the others trims of roll and pitch take up
-//! most, where they are fitted along; what is left, about yaw and from one axis' commands about another, is by how much
-//! those that turn one way lift more than those that turn the other way. All four motors are in that. The size of a weak
-//! one, which takes the three others for alike, has their ordinary scatter in it.
+//! Motors of a healthy vehicle do not lift alike. Of one that lifts less than the others trims of roll and pitch take
+//! up most, where they are fitted along; what is left, about yaw and from one axis' commands about another, is by how
+//! much those that turn one way lift more than those that turn the other way. All four motors are in that. The size of
+//! a weak one, which takes the three others for alike, has their ordinary scatter in it.
 
 use std::collections::BTreeMap;
 

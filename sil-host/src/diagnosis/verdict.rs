@@ -350,7 +350,8 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
     let first = search.always.len();
     let chosen = &found.chosen.fit.terms[first..];
     let spread = search.spread(&found.chosen);
-    let is_chosen = |effect: &Fitted| chosen.iter().any(|term| term.effect.is_the_same(effect));
+    // what the base model has is no finding, or is one: neither way was it refused
+    let is_chosen = |effect: &Fitted| found.chosen.fit.terms.iter().any(|term| term.effect.is_the_same(effect));
     let mut rejected = Vec::new();
     for effect in search.catalogue.iter().filter(|effect| !is_chosen(effect)) {
         let fitted = found.alternatives.iter().enumerate().flat_map(|(place, others)| {

@@ -283,7 +283,10 @@ impl<'a> Section<'a> {
     }
 
     fn missing(&self, key: &'static str, expected: String) -> ModelError {
-        let problem = Problem::MissingKey { section: self.title(), key: key.to_owned(), expected };
+        // a slip of the pen leaves one key out and makes another that nobody knows
+        let slip = self.table.keys().map(|other| other.get_ref()).find(|other| !did_you_mean(other, [key]).is_empty());
+        let slip = slip.map_or_else(String::new, |slip| format!("; `{slip}` is not known"));
+        let problem = Problem::MissingKey { section: self.title(), key: key.to_owned(), expected: expected + &slip };
         self.source.error(self.span.clone(), problem)
     }
 

@@ -88,7 +88,8 @@ pub enum LogErrorKind {
     #[error("expected at least {ROWS_MIN} rows, found {0}")]
     TooFewRows(usize),
     #[error(
-        "expected at least {ROWS_MIN} rows from {from_s} s to {to_s} s, found {rows}; the log goes from {} s to {} s",
+        "expected at least {ROWS_MIN} rows from {from_s} s to {}, found {rows}; the log goes from {} s to {} s",
+        end(*to_s),
         has_s[0],
         has_s[1]
     )]
@@ -113,6 +114,11 @@ pub(super) fn held(known: &[String], unknown: &[String]) -> String {
     };
     let fields = unknown.join(", ");
     if unknown.is_empty() { known } else { format!("{known}; what these mean a map may say (--map): {fields}") }
+}
+
+/// Where a span ends.
+fn end(to_s: f64) -> String {
+    if to_s.is_finite() { format!("{to_s} s") } else { "the end".to_owned() }
 }
 
 fn listed(contradictions: &[Contradiction]) -> String {

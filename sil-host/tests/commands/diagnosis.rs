@@ -93,7 +93,7 @@ fn is_told_as_json_on_a_page_and_by_a_flight_that_can_be_flown() {
         assert!(outcome.stdout.contains(sentence.as_str().unwrap()), "{outcome:?}");
     }
     let page = String::from_utf8(folder.bytes("out.html")).unwrap();
-    assert!(page.contains("<code>sil diagnose log.csv --rig gimbal</code>"));
+    assert!(page.contains("<code>sil diagnose log.csv --rig gimbal --quick</code>"));
     assert!(page.contains(json["separating_experiment"].as_str().unwrap()));
     let proposed = String::from_utf8(folder.bytes("next.toml")).unwrap();
     assert!(proposed.contains("pitch_deg") && page.contains("pitch_deg = "), "{proposed}");

@@ -66,19 +66,19 @@ pub(in crate::diagnosis) fn gain<'e>(search: &Search<'e>, found: &Found<'e>) -> 
     }
 }
 
-/// What the windows of the report confirm of what was found beside a base model: that it takes a share of the error
-/// away, beyond chance. They have no say in what is looked for; they may only object.
+/// What the windows of the report confirm of what was found: that it makes nothing worse, and beside a base model that
+/// it takes a share of the error away, beyond chance. They have no say in what is looked for; they may only object.
 pub(in crate::diagnosis) fn confirmed<'e>(search: &Search<'e>, mut found: Found<'e>) -> Found<'e> {
-    while search.has_base() {
+    loop {
         let Gain { places, findings_pct, chances, .. } = gain(search, &found);
-        let may_be_chance = |chance: &Option<f64>| chance.is_some_and(|chance| chance > BY_CHANCE);
+        let least_pct = if search.has_base() { CONFIRMED_PCT } else { 0.0 };
+        let may_be_chance = |chance: &Option<f64>| search.has_base() && chance.is_some_and(|chance| chance > BY_CHANCE);
         let places = places.into_iter().zip(findings_pct).zip(chances);
-        let not_confirmed = places.filter(|((_, pct), chance)| *pct < CONFIRMED_PCT || may_be_chance(chance));
-        let Some(((place, _), _)) = not_confirmed.min_by(|a, b| a.0.1.total_cmp(&b.0.1)) else { break };
+        let not_confirmed = places.filter(|((_, pct), chance)| *pct < least_pct || may_be_chance(chance));
+        let Some(((place, _), _)) = not_confirmed.min_by(|a, b| a.0.1.total_cmp(&b.0.1)) else { return found };
         let objected = found.refitted.chosen.terms[place].effect;
         let mut wanted = found.findings(search);
         wanted.retain(|term| !term.effect.is_the_same(objected));
         found = search.agreed(found, &wanted);
     }
-    found
 }

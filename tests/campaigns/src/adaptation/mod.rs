@@ -196,7 +196,8 @@ pub fn table_of_flying(rows: &[Row]) -> String {
     let mut text = String::from(
         "| rig | tuning | air | RMS, deg: wrong model | right model | learning | costly vehicles \
          | of their loss given back, % | worst beside both, % | worst beside the wrong model, % \
-         | vehicles beyond 1 %: right model, learning | lost: wrong, right, learning (alone) |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+         | vehicles beyond 1 %: right model, learning | lost: wrong, right, learning (alone) |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         let [wrong, right, learns] = row.rms_deg;
