@@ -203,7 +203,10 @@ fn chosen_without_identifying(
         let (vehicle, voltage) = at_own_voltage(log, vehicle);
         let against = vehicle.as_ref().and_then(|model| mismatch(log, model));
         let against = against.map(|why| format!("MISMATCH: {why}. What follows is about the difference."));
-        let said = against.into_iter().chain(voltage).collect::<Vec<_>>().join(" ");
+        // a rig alone does not say whose vehicle flew on it
+        let projects = vehicle.as_ref().filter(|_| said.model.is_none() && is_foreign(log, said));
+        let projects = projects.map(|model| format!("No --model: held against the project's \"{}\".", model.name));
+        let said = projects.into_iter().chain(against).chain(voltage).collect::<Vec<_>>().join(" ");
         return Ok(Some(HeldAgainst { vehicle, said, ..HeldAgainst::default() }));
     }
     if !is_foreign(log, said) {

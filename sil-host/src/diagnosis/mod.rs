@@ -351,8 +351,14 @@ fn answer<'e>(
     let denied = denied::denied(&by_reference, &gains.map(|gain| gain.filter(|_| search.has_base())));
     let holding = holding::holding(shooting);
     let lateness_s = lateness::together_s(search, &found.refitted.chosen);
-    let shown =
-        Shown { base: &base_terms, by_reference: &by_reference, denied: &denied, holding: &holding, lateness_s };
+    let shown = Shown {
+        base: &base_terms,
+        by_reference: &by_reference,
+        denied: &denied,
+        holding: &holding,
+        lateness_s,
+        rows_between: shooting.log.lost.is_some().then(|| 1.0 / log.median_step_s()),
+    };
     let warnings = evidence::warnings::warnings(&shown, &horizons);
     let verdict = Verdict::of_shown(&shown, &findings, &unexplained, &statistics);
     let [nominal_model, _, extended_model] = &driven;

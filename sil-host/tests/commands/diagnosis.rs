@@ -237,7 +237,7 @@ fn several_logs_stand_in_one_table() {
     }
     let counted = "Of 3 logs 1 differs from the simulation, 1 agrees with it, 1 has no answer";
     assert!(page.contains(counted) && outcome.stdout.contains(counted), "{outcome:?}");
-    assert!(page.contains("<code>sil diagnose healthy.csv bad.csv suspect.csv --model gimbal.toml</code>"));
+    assert!(page.contains("<code>sil diagnose healthy.csv bad.csv suspect.csv --model gimbal.toml --quick</code>"));
 
     let suspects = ["diagnose", "healthy.csv", "suspect.csv", "--quick", "--model", "gimbal.toml"];
     let failing = folder.sil(&[&suspects[..], &["--fail-on", "discrepancy"]].concat());

@@ -203,7 +203,7 @@ fn of_diagnose_is_what_the_library_makes_of_the_bytes() {
     let before = against.text();
     let answered = Answered::of(log, against, Effort::Quick, &|_| ()).unwrap();
     assert_eq!(json(&answered.diagnosis).unwrap().as_bytes(), folder.bytes("out.json"));
-    assert_eq!(answered.page("sil diagnose log.csv").to_html().as_bytes(), folder.bytes("out.html"));
+    assert_eq!(answered.page("sil diagnose log.csv --quick").to_html().as_bytes(), folder.bytes("out.html"));
     assert!(outcome.stdout.starts_with(&(before + &answered.text(str::to_owned))), "{outcome:?}");
     // and a file that can't be used gets the command's words
     folder.write("bad.csv", "t,x\n1,2\n");
