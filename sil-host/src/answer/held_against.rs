@@ -206,7 +206,7 @@ fn chosen_without_identifying(
         // a rig alone does not say whose vehicle flew on it
         let projects = vehicle.as_ref().filter(|_| said.model.is_none() && is_foreign(log, said));
         let projects = projects.map(|model| format!("No --model: held against the project's \"{}\".", model.name));
-        let said = projects.into_iter().chain(against).chain(voltage).collect::<Vec<_>>().join(" ");
+        let said = against.or(projects).into_iter().chain(voltage).collect::<Vec<_>>().join(" ");
         return Ok(Some(HeldAgainst { vehicle, said, ..HeldAgainst::default() }));
     }
     if !is_foreign(log, said) {
