@@ -318,6 +318,14 @@ fn searched<T>(
     }
 }
 
+/// What was not found, and what was not looked for.
+fn rejected(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> {
+    let mut rejected = verdict::rejected(search, found);
+    rejected.extend(subject.not_tested(log));
+    rejected.push(Rejected { effect: "controller_mismatch", axis: String::new(), reason: NO_CONTROLLER.to_owned() });
+    rejected
+}
+
 fn answer<'e>(
     log: &Log,
     subject: &Subject<'_>,
@@ -337,9 +345,7 @@ fn answer<'e>(
     let findings = verdict::findings(search, found, stability, &gain);
     let experiment = evidence::experiment::separating(log, subject, search, found, &findings, &gain.places);
     let unexplained = remainder::unexplained(search, found, &tallies[0], &tallies[2]);
-    let mut rejected = verdict::rejected(search, found);
-    rejected.extend(subject.not_tested(log));
-    rejected.push(Rejected { effect: "controller_mismatch", axis: String::new(), reason: NO_CONTROLLER.to_owned() });
+    let rejected = rejected(log, subject, search, found);
     let commands = axis_commands(log);
     let judged =
         [0, 1, 2].map(|i| Judged { driven: &driven[i], predicted: &predicted[i], starts: &refitted[i].starts });
@@ -361,13 +367,9 @@ fn answer<'e>(
     };
     let warnings = evidence::warnings::warnings(&shown, &horizons);
     let verdict = Verdict::of_shown(&shown, &findings, &unexplained, &statistics);
-    let [nominal_model, _, extended_model] = &driven;
-    let (conditions, spectra) = evidence::conditions::conditions(
-        &shooting.log,
-        [nominal_model, extended_model],
-        &commands,
-        log.collective().as_deref(),
-    );
+    let (models, collective) = ([&driven[0], &driven[2]], log.collective());
+    let (conditions, spectra) =
+        evidence::conditions::conditions(&shooting.log, models, &commands, collective.as_deref());
     Diagnosis {
         log: LogSummary::of(log.commanding()),
         verdict,
