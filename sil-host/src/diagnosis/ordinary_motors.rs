@@ -30,30 +30,10 @@ mod tests {
     use super::*;
     use crate::diagnosis::fitted::Fitted;
     use crate::effects::Scope;
-    use crate::vehicle::Scale;
-
-    const SCOPE: Scope = Scope {
-        scale: Scale::SEPARATE_AXES,
-        is_vehicle: true,
-        has_motors: true,
-        base_command: None,
-        has_rotors: false,
-        is_held: true,
-        shown_free: false,
-        flies_free: false,
-        turns: [true; 3],
-        rates: [true; 3],
-        angles: [true; 3],
-        battery: false,
-        pushed: false,
-        velocity: false,
-        airspeed: false,
-        height_m: None,
-    };
 
     #[test]
     fn beside_trims_the_other_motors_are_in_a_weak_ones_size() {
-        let trims = Fitted::beside(&SCOPE, |_| true);
+        let trims = Fitted::beside(&Scope::OF_AXES, |_| true);
         let trims = trims.iter().filter(|effect| effect.name() == "torque_bias");
         let trims: Vec<Term<'_>> = trims.map(|effect| Term { effect, values: vec![0.01] }).collect();
         let std_of = |terms: &[Term<'_>], effect: &str| {

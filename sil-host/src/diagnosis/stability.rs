@@ -160,27 +160,9 @@ mod tests {
     use super::*;
     use crate::axis::Axis;
     use crate::effects::Scope;
-    use crate::vehicle::Scale;
 
     fn catalogue() -> Vec<Fitted> {
-        Fitted::hypotheses(&Scope {
-            scale: Scale::SEPARATE_AXES,
-            is_vehicle: false,
-            has_motors: false,
-            base_command: None,
-            has_rotors: false,
-            is_held: true,
-            shown_free: false,
-            flies_free: false,
-            turns: [true; 3],
-            rates: [true; 3],
-            angles: [true; 3],
-            battery: false,
-            pushed: false,
-            velocity: false,
-            airspeed: false,
-            height_m: None,
-        })
+        Fitted::hypotheses(&Scope::OF_AXES)
     }
 
     /// Answers by the names of their effects, all on pitch.

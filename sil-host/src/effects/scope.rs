@@ -41,6 +41,29 @@ pub(crate) struct Scope {
     pub(crate) height_m: Option<f64>,
 }
 
+#[cfg(test)]
+impl Scope {
+    /// Three axes by themselves on a bench, with angles and rates and nothing else.
+    pub(crate) const OF_AXES: Scope = Scope {
+        scale: Scale::SEPARATE_AXES,
+        is_vehicle: false,
+        has_motors: false,
+        base_command: None,
+        has_rotors: false,
+        is_held: true,
+        shown_free: false,
+        flies_free: false,
+        turns: [true; 3],
+        rates: [true; 3],
+        angles: [true; 3],
+        battery: false,
+        pushed: false,
+        velocity: false,
+        airspeed: false,
+        height_m: None,
+    };
+}
+
 impl Scope {
     /// Axes that turn, and of which the log shows angle or rate.
     pub(super) fn turning_axes(&self) -> impl Iterator<Item = Axis> + use<> {

@@ -9,7 +9,7 @@ use campaigns::real_logs::injection_baseline::{self, Normal};
 use campaigns::real_logs::scoreboard::{self, Effort, Entry, Scoreboard};
 use campaigns::real_logs::{folder, injection_score, stand, tables};
 use campaigns::rows_file::RowsFile;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
 /// What other people's logs show, in `$SIL_DATA`: the tables of docs/real-logs.md.
 #[derive(Parser)]
@@ -47,7 +47,7 @@ enum Command {
         logs: Logs,
         /// Answers of `sil diagnose --baseline`, the log as it was recorded or other logs of the vehicle being normal
         #[arg(long)]
-        against: Option<Against>,
+        against: Option<Normal>,
     },
 }
 
@@ -67,12 +67,6 @@ struct Logs {
     list: bool,
     #[command(flatten)]
     figures: RowsFile,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Against {
-    Recorded,
-    Others,
 }
 
 fn main() -> ExitCode {
@@ -101,10 +95,7 @@ fn main() -> ExitCode {
             let (halves, cuts) = (!quick, !quick && !no_cuts);
             logs.score(&Effort { stability: !no_stability, halves, cuts, patience_s: patience })
         }
-        Some(Command::Injection { logs, against }) => logs.inject(against.map(|against| match against {
-            Against::Recorded => Normal::Recorded,
-            Against::Others => Normal::Others,
-        })),
+        Some(Command::Injection { logs, against }) => logs.inject(against),
     };
     result.map_or_else(
         |message| {

@@ -17,7 +17,7 @@ use super::scoreboard::{COMMAND_MIN, Entry, command_std, entries};
 const OTHERS_MAX: usize = 4;
 
 /// What an injected log is held against.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Normal {
     /// The log as it was recorded.
     Recorded,
