@@ -6,7 +6,9 @@ use clap::Args;
 use serde::Serialize;
 use sil_host::answer::board_parameters::{board_parameters, params_file};
 use sil_host::answer::identified::{table, table_of};
-use sil_host::diagnosis::{Holding, Identified, KnownScale, NotIdentified, identify_axes_observed, identify_observed};
+use sil_host::diagnosis::{
+    Holding, Identified, KnownScale, NotIdentified, TILT_GAINS, identify_axes_observed, identify_observed,
+};
 use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
@@ -59,6 +61,8 @@ struct Made {
     shown: String,
     toml: String,
     answer: Answer,
+    /// What a board flies it with, or why none can; of a vehicle.
+    parameters: Option<Result<String, String>>,
 }
 
 pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
@@ -69,20 +73,16 @@ pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     }
     let refused = |error: NotIdentified| bad_input(format!("{}: {error}", logs[0].path));
     let is_of_vehicle = arguments.log.is_of_vehicle(&logs)?;
-    let (note, made) = match is_of_vehicle.then(|| vehicle(arguments, &logs, scale)) {
+    let (note, made) = match is_of_vehicle.then(|| vehicle(&logs, scale)) {
         None => (None, axes_asked_for(arguments, &logs)?.map_err(refused)?),
-        Some(made) => match made? {
-            Ok(made) => (None, made),
-            // what no vehicle can be had from may show what the commands do about each axis
-            Err(error) => match axes_of_flight(arguments, &logs, &error) {
-                Some(axes) => {
-                    (Some(format!("no vehicle could be identified: {error}; instead each axis by itself")), axes)
-                }
-                None => return Err(refused(error)),
-            },
+        Some(Ok(made)) => (None, made),
+        // what no vehicle can be had from may show what the commands do about each axis
+        Some(Err(error)) => match axes_of_flight(arguments, &logs, &error) {
+            Some(axes) => (Some(format!("no vehicle could be identified: {error}; instead each axis by itself")), axes),
+            None => return Err(refused(error)),
         },
     };
-    let Made { shown, toml, answer } = made;
+    let Made { shown, toml, answer, parameters } = made;
     let of_note = |start: &str| note.as_ref().map(|note| format!("{start}{note}\n")).unwrap_or_default();
     let toml = of_note("# ") + &toml;
     match &arguments.out {
@@ -95,33 +95,30 @@ pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
         None if arguments.json.is_none() => to_stdout(toml)?,
         None => print(toml)?,
     }
-    write_json(arguments.json.as_deref(), &answer)
+    write_json(arguments.json.as_deref(), &answer)?;
+    // last, so that model and numbers are there where a board can't fly them
+    match (&arguments.params, parameters) {
+        (Some(path), Some(parameters)) => write_file(path, parameters.map_err(bad_input)?.as_bytes()),
+        _ => Ok(()),
+    }
 }
 
 /// A vehicle of logs, and the parameters for a board to fly it.
-fn vehicle(
-    arguments: &IdentifyArguments,
-    logs: &[Log],
-    scale: KnownScale,
-) -> Result<Result<Made, NotIdentified>, Failure> {
+fn vehicle(logs: &[Log], scale: KnownScale) -> Result<Made, NotIdentified> {
     let line = ProgressLine::new();
-    let identified = match identify_observed(logs, scale, &|progress| line.show(progress)) {
-        Ok(identified) => identified,
-        Err(error) => return Ok(Err(error)),
-    };
+    let identified = identify_observed(logs, scale, &|progress| line.show(progress))?;
     drop(line);
-    if let Some(path) = &arguments.params {
-        let not_for_a_board =
-            |reason| bad_input(format!("--params: {reason}; without --params, what these logs do not show is marked"));
-        let parameters = board_parameters(&identified.model).map_err(not_for_a_board)?;
-        write_file(path, params_file(&identified.source, &parameters).as_bytes())?;
-    }
+    let not_for_a_board =
+        |reason| format!("--params: {reason}; without --params, what these logs do not show is marked");
+    let parameters = board_parameters(&identified.model).map_err(not_for_a_board);
+    let parameters = parameters.map(|parameters| params_file(&identified.source, &parameters));
     let (shown, toml) = (table(&identified), identified.to_toml());
-    Ok(Ok(Made {
+    Ok(Made {
         shown,
         toml,
         answer: Answer { source: identified.source, numbers: identified.numbers, holding: Vec::new() },
-    }))
+        parameters: Some(parameters),
+    })
 }
 
 /// Separate axes, which have no scale and fly no board.
@@ -143,6 +140,7 @@ fn axes(logs: &[Log]) -> Result<Made, NotIdentified> {
         shown,
         toml,
         answer: Answer { source: identified.source, numbers: identified.numbers, holding: identified.holding },
+        parameters: None,
     })
 }
 
@@ -152,9 +150,7 @@ fn axes_of_flight(arguments: &IdentifyArguments, logs: &[Log], error: &NotIdenti
     let asks_for_vehicle = !arguments.known.is_empty() || arguments.params.is_some() || arguments.log.names_a_rig();
     let may_be = matches!(error, NotIdentified::Quiet(_) | NotIdentified::AtOnce(_) | NotIdentified::Held(_));
     let made = (may_be && !asks_for_vehicle).then(|| axes(logs).ok())??;
-    let shows = |number: &Identified| {
-        ["roll_input_gain", "pitch_input_gain"].contains(&number.name.as_str()) && number.to_fly.is_none()
-    };
+    let shows = |number: &Identified| TILT_GAINS.contains(&number.name.as_str()) && number.to_fly.is_none();
     made.answer.numbers.iter().any(shows).then_some(made)
 }
 

@@ -22,9 +22,13 @@ impl Estimate {
     }
 }
 
-/// Value and uncertainty with as many digits as that leaves, very small ones with their power of ten.
+/// Value and uncertainty with as many digits as that leaves, very small ones with their power of ten; what is exact
+/// without one.
 impl fmt::Display for Estimate {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.std == 0.0 && (self.value == 0.0 || self.value.abs() >= 1e-5) {
+            return write!(out, "{}", (self.value * 1e6).round() / 1e6);
+        }
         let size = libm::log10(self.value.abs().max(self.std)).floor();
         let exponent = if size.is_finite() && size < -5.0 { size as i32 } else { 0 };
         let unit = libm::exp10(f64::from(exponent));

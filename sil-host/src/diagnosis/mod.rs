@@ -38,8 +38,10 @@ mod judge;
 mod kinematics;
 mod known;
 mod lateness;
+mod log_summary;
 mod noise;
 mod nominal;
+mod not_shown;
 mod observability;
 mod ordinary_motors;
 mod plausible;
@@ -94,12 +96,14 @@ use found::Found;
 pub(crate) use holding::held_against;
 pub use holding::{Holding, LastingGain};
 pub use identification::{
-    BenchIdentification, Identification, Identified, KnownScale, NotIdentified, ShownFlight, effectiveness_rad_s2,
-    identify, identify_axes, identify_axes_observed, identify_observed, manoeuvres_for, mismatch,
+    BenchIdentification, Identification, Identified, KnownScale, NotIdentified, ShownFlight, TILT_GAINS,
+    effectiveness_rad_s2, identify, identify_axes, identify_axes_observed, identify_observed, manoeuvres_for, mismatch,
 };
 use kinematics::Kinematics;
 pub use known::{Fact, Known, NotKnown};
+pub use log_summary::LogSummary;
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
+pub use not_shown::NotShownBecause;
 pub use progress::{Observer, Progress};
 use search::Search;
 pub use sizes::{Asked, Size, sizes, sizes_beside_base};
@@ -117,6 +121,8 @@ pub struct Diagnosis {
     pub log: LogSummary,
     /// In one word.
     pub verdict: Verdict,
+    /// Why the log does not show what the commands do, where that is the verdict.
+    pub not_shown_because: Option<NotShownBecause>,
     /// What was known of the vehicle beside the log, and held.
     pub known: Vec<Fact>,
     /// The base model: what is fitted along with whatever is found; empty where the model's own numbers serve.
@@ -163,33 +169,6 @@ pub struct Diagnosis {
     /// What the models miss on the held-out windows, row by row: the picture behind the numbers.
     #[serde(skip)]
     pub residuals: Vec<ChannelResiduals>,
-}
-
-/// The log.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LogSummary {
-    /// As the caller named it.
-    pub path: String,
-    /// Rows.
-    pub rows: usize,
-    /// Time from first to last, s.
-    pub duration_s: f64,
-    /// Rows per second.
-    pub rate_hz: f64,
-    /// What its reading took, assumed, left out and checked.
-    pub notes: Vec<String>,
-}
-
-impl LogSummary {
-    fn of(log: &Log) -> LogSummary {
-        LogSummary {
-            path: log.path.clone(),
-            rows: log.rows(),
-            duration_s: log.duration_s(),
-            rate_hz: log.rate_hz(),
-            notes: log.notes.clone(),
-        }
-    }
 }
 
 /// Root mean square errors of the open-loop replay over the held-out windows.
@@ -345,7 +324,6 @@ fn answer<'e>(
     let findings = verdict::findings(search, found, stability, &gain);
     let experiment = evidence::experiment::separating(log, subject, search, found, &findings, &gain.places);
     let unexplained = remainder::unexplained(search, found, &tallies[0], &tallies[2]);
-    let rejected = rejected(log, subject, search, found);
     let commands = axis_commands(log);
     let judged =
         [0, 1, 2].map(|i| Judged { driven: &driven[i], predicted: &predicted[i], starts: &refitted[i].starts });
@@ -373,6 +351,7 @@ fn answer<'e>(
     Diagnosis {
         log: LogSummary::of(log.commanding()),
         verdict,
+        not_shown_because: (verdict == Verdict::NotShown).then(|| NotShownBecause::of(&shown)),
         known: Vec::new(),
         base: base_terms,
         lateness_s,
@@ -381,7 +360,7 @@ fn answer<'e>(
         by_reference,
         warnings,
         findings,
-        rejected,
+        rejected: rejected(log, subject, search, found),
         prediction_error: PredictionErrors { window_s: WINDOW_S, nominal, base, extended, noise_floor },
         closed_loop: None,
         unexplained,

@@ -157,7 +157,7 @@ impl Verdict {
 /// Can it be a vehicle? It turns about roll and pitch as its commands have it, and where they hold against a
 /// disturbance not before its motors can: such a fit has taken the controller's answer to the motion for the motion's
 /// cause.
-fn is_possible(base: &[BaseTerm], holds: bool, lateness_s: Option<Estimate>) -> bool {
+pub(super) fn is_possible(base: &[BaseTerm], holds: bool, lateness_s: Option<Estimate>) -> bool {
     let turns_back = base.iter().any(|term| term.axis != Some(Axis::Yaw.name()) && reversed_gain(term).is_some());
     !(turns_back || holds && lateness_s.is_some_and(is_too_quick))
 }
@@ -179,7 +179,7 @@ pub(super) fn is_too_quick(lateness_s: Estimate) -> bool {
 
 /// Does an axis surely follow its command? What has no gain to fit has a model that says so. Of what leans, yaw alone
 /// says nothing of how it does.
-fn answers(base: &[BaseTerm]) -> bool {
+pub(super) fn answers(base: &[BaseTerm]) -> bool {
     let gains: Vec<&BaseTerm> = base.iter().filter(|term| term.effect == "input_gain").collect();
     let leans = |term: &&BaseTerm| term.axis != Some(Axis::Yaw.name());
     let may_lean = gains.iter().any(leans);

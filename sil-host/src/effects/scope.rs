@@ -13,6 +13,8 @@ pub(crate) struct Scope {
     pub(crate) is_vehicle: bool,
     /// True where each motor's command is known, on separate axes too.
     pub(crate) has_motors: bool,
+    /// True where what all motors do together changes enough to show how thrust grows with it.
+    pub(crate) collective_varies: bool,
     /// Command of each motor under which a vehicle hovers, or is level on its rig.
     pub(crate) base_command: Option<f64>,
     /// True where its propulsion has rotors whose speed is known: not on level `box`, nor on separate axes.
@@ -48,6 +50,7 @@ impl Scope {
         scale: Scale::SEPARATE_AXES,
         is_vehicle: false,
         has_motors: false,
+        collective_varies: false,
         base_command: None,
         has_rotors: false,
         is_held: true,

@@ -176,6 +176,7 @@ fn whole_log(flies_free: bool) -> Scope {
         scale: Scale { moment_nm: 1.2, inertia_kg_m2: [0.011, 0.036, 0.02], mass_kg: 1.2, arm_m: 0.226 },
         is_vehicle: true,
         has_motors: true,
+        collective_varies: true,
         base_command: None,
         has_rotors: true,
         is_held: !flies_free,

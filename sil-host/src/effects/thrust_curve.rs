@@ -54,8 +54,8 @@ impl Catalogued for ThrustCurve {
         let expo = Unknown::of(&EXPO, 1e-4);
         // a change of all thrust alike has a name of its own: what differs is how thrust grows about hover
         let fixed_at = scope.base_command.unwrap_or(FIXED_AT.nominal);
-        // on the testbed, whose collective hardly changes, another bend is another lift
-        let is_seen = scope.pushed || scope.has_motors && !scope.is_vehicle;
+        // under a collective that hardly changes, as on the testbed, another bend is another lift
+        let is_seen = scope.pushed || scope.has_motors && scope.collective_varies && !scope.is_vehicle;
         let of_vehicle = || Hypothesis::new(Self::ENTRY, [expo], move |[expo]| Self { expo, fixed_at });
         is_seen.then(of_vehicle).into_iter().collect()
     }

@@ -65,7 +65,8 @@ fn failure(name: &Path, kind: LogErrorKind) -> LogError {
     LogError { file: name.display().to_string(), line: None, column: None, kind }
 }
 
-/// A file's bytes as text: UTF-8, or UTF-16 behind its mark, as some programs of Windows write tables.
+/// A file's bytes as text: UTF-8, or as some programs of Windows write tables: UTF-16 behind its mark, or a byte a
+/// character, whose degree signs and umlauts are Latin-1's.
 ///
 /// # Errors
 /// They are neither, or what is known to be no log; the message has the line.
@@ -83,10 +84,14 @@ pub(super) fn text(file: &str, bytes: Vec<u8>) -> Result<String, LogError> {
     if let Some(what) = other_files::what_it_is(&bytes) {
         return Err(fail(None, LogErrorKind::OtherFile(what)));
     }
-    String::from_utf8(bytes).map_err(|e| {
+    String::from_utf8(bytes).or_else(|e| {
         let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
-        fail(Some(line), LogErrorKind::NotText)
+        let is_letter = |byte: &u8| !byte.is_ascii_control() || byte.is_ascii_whitespace();
+        match e.as_bytes().iter().all(is_letter) {
+            true => Ok(e.as_bytes().iter().copied().map(char::from).collect()),
+            false => Err(fail(Some(line), LogErrorKind::NotText)),
+        }
     })
 }
 

@@ -12,8 +12,13 @@ use crate::axis::Axis;
 use crate::effects::{Effect, Needs, Scope};
 use crate::log::{Log, Quantity};
 use crate::model::{BenchModel, Rig, VehicleModel};
+use crate::statistics::variance;
 use crate::vehicle::Scale;
 use crate::vehicle::propulsion::Level;
+
+/// Standard deviation of the collective command from which on a log shows how thrust bends over it: with a share of the
+/// square of one half the gains then differ by 3 % from one side to the other.
+const COLLECTIVE_VARIES_FROM: f64 = 0.03;
 
 /// Why a log without some column is refused.
 const KNOWN_EFFECT: &str = "is what an effect of the vehicle model acts by";
@@ -134,6 +139,9 @@ impl Subject<'_> {
             scale: self.scale(),
             is_vehicle: self.is_vehicle(),
             has_motors: self.has_motors(log),
+            collective_varies: log
+                .collective()
+                .is_some_and(|of| variance(of.iter().copied()).sqrt() >= COLLECTIVE_VARIES_FROM),
             base_command: self.base_command(),
             has_rotors: self.has_rotors(),
             is_held: self.is_held(),

@@ -30,6 +30,7 @@ fn answer() -> Value {
     json!({
         "log": { "path": "string", "rows": 1200, "duration_s": "number", "rate_hz": "number", "notes": "anything" },
         "verdict": "explained",
+        "not_shown_because": null,
         "known": "anything",
         "warnings": "anything",
         "base": "anything",

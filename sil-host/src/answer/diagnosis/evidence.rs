@@ -127,9 +127,12 @@ fn statistics<const N: usize>(
     for channel in &answer.statistics {
         let name = format!("{}, {}", quantity(channel.quantity), unit(channel.unit));
         table = table.row([Cell::from(name), "nominal".into()].into_iter().chain(cells(&channel.nominal)));
-        if !answer.findings.is_empty() {
-            table = table.row([Cell::from(""), "findings".into()].into_iter().chain(cells(&channel.extended)));
-        }
+        let fitted = match (answer.findings.is_empty(), answer.base.is_empty()) {
+            (false, _) => ("findings", &channel.extended),
+            (true, false) => ("base", &channel.base),
+            (true, true) => continue,
+        };
+        table = table.row([Cell::from(""), fitted.0.into()].into_iter().chain(cells(fitted.1)));
     }
     table
 }

@@ -6,6 +6,8 @@ use crate::log::Log;
 use crate::prediction::Channel;
 use crate::report::{Card, Chart, Page, Tone};
 
+use super::without_a_model;
+
 use crate::answer::key_window::Predicted;
 use crate::answer::plain_words::{
     axis_of, capitalised, cause, doubted, main_parameter, parameter, quantity, sentence, unit, with_unit,
@@ -15,10 +17,6 @@ use crate::answer::plain_words::{
 const ANGLE_PREFERRED: f64 = 0.5;
 /// Share of the rows with a motor at its limit that a reader must know of.
 const SATURATED_MIN: f64 = 0.02;
-
-/// What to do where no model was found.
-const WITHOUT_A_MODEL: &str = "If the vehicle lay, hung or was held in a part of the log, cut that part away. Else fly \
-                               steps of roll and pitch to 20 degrees for 15 s, logged at 100 rows/s or more.";
 
 /// What came out, in a sentence.
 pub fn headline(answer: &Diagnosis) -> String {
@@ -63,8 +61,8 @@ pub fn lead(log: &Log, answer: &Diagnosis) -> Vec<String> {
         )
     });
     let advice = match answer.verdict {
-        Verdict::NotAModel => Some(WITHOUT_A_MODEL.to_owned()),
-        Verdict::NotShown => Some(super::page::headline(answer).to_owned()),
+        Verdict::NotAModel => Some(without_a_model::what_to_do(answer)),
+        Verdict::NotShown => Some(without_a_model::not_shown(answer)),
         _ => None,
     };
     // open loop says nothing of a model whose commands hold against a disturbance
@@ -89,7 +87,8 @@ fn improvement(answer: &Diagnosis) -> Option<String> {
         (false, _) if !answer.verdict.has_a_model() => {
             format!("; with the best of what was tried by {extended}")
         }
-        (false, _) => format!("; with this in it by {extended}"),
+        (false, true) => format!("; with this in it by {extended}"),
+        (false, false) => format!("; with its ordinary numbers fitted by {base}, with this in it too by {extended}"),
     };
     Some(format!("{start}{with}. Noise alone makes {exact}."))
 }

@@ -4,3 +4,4 @@ mod evidence;
 pub mod first_screen;
 pub mod page;
 pub mod text;
+mod without_a_model;

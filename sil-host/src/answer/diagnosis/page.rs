@@ -8,7 +8,7 @@ use crate::log::Log;
 use crate::prediction::ChannelErrors;
 use crate::report::{Bars, Cell, Chart, Page, Section, Table};
 
-use super::{evidence, first_screen};
+use super::{evidence, first_screen, without_a_model};
 use crate::answer::comparison::page::error_cells;
 use crate::answer::plain_words::{self, Size, capitalised, on_a_page, rough};
 
@@ -31,8 +31,8 @@ pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
 }
 
 /// The verdict in a sentence, on the terminal; where effects are named, they follow.
-pub fn headline(answer: &Diagnosis) -> &'static str {
-    match answer.verdict {
+pub fn headline(answer: &Diagnosis) -> String {
+    let said = match answer.verdict {
         Verdict::NoDiscrepancy => "The simulation agrees with this log: nothing but noise remains.",
         Verdict::Explained => "What the simulation gets wrong in this log (nothing but noise remains):",
         Verdict::PartlyExplained => "What the simulation gets wrong in this log (something else remains unexplained):",
@@ -42,17 +42,10 @@ pub fn headline(answer: &Diagnosis) -> &'static str {
         Verdict::UnknownEffect => {
             "The simulation gets something wrong in this log that no effect of the catalogue explains."
         }
-        Verdict::NotAModel => {
-            "Not a model of this vehicle yet: whatever is added, it predicts no better than the measurements' mean. If \
-             the vehicle lay, hung or was held in a part of the log, cut that away (--from, --to); else fly steps of \
-             roll and pitch to 20 degrees for 15 s, logged at 100 rows/s or more."
-        }
-        Verdict::NotShown => {
-            "Not shown by this log: what the commands do. How strongly an axis answers stays unknown, or something \
-             beside the commands moves the vehicle as much; they hardly change, or were logged too seldom. Steps or \
-             doublets of roll and pitch to 20 degrees for 15 s show it, logged at 100 rows/s or more."
-        }
-    }
+        Verdict::NotAModel => return without_a_model::not_a_model(answer),
+        Verdict::NotShown => return without_a_model::not_shown(answer),
+    };
+    said.to_owned()
 }
 
 /// True for the log of a free vehicle in which more is compared than the rotation: the table of horizons has all of it.

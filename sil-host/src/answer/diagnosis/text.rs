@@ -15,7 +15,7 @@ pub fn answer_text(log: &Log, answer: &Diagnosis, emphasised: Emphasis) -> Strin
         text.push_str(&format!("  {note}\n"));
     }
     text.push_str(&verdict_text(answer, emphasised));
-    text.push_str(&format!("{}\n", horizons_table(&answer.horizons)));
+    text.push_str(&format!("{}\n", horizons_table(answer)));
     text.push_str(&format!("{}\n", statistics_table(answer)));
     for condition in strongest_conditions(answer) {
         text.push_str(&format!("{}\n", condition_text(condition)));
@@ -29,7 +29,7 @@ pub fn answer_text(log: &Log, answer: &Diagnosis, emphasised: Emphasis) -> Strin
 
 /// What was found, and how much better the model predicts with it.
 pub fn verdict_text(answer: &Diagnosis, emphasised: Emphasis) -> String {
-    let mut text = format!("\n{}\n", emphasised(headline(answer)));
+    let mut text = format!("\n{}\n", emphasised(&headline(answer)));
     if !answer.verdict.has_a_model() && !answer.findings.is_empty() {
         text.push_str("  the best of what was tried, not a cause:\n");
     }
@@ -75,8 +75,10 @@ fn closed_loop_table(closed_loop: &ClosedLoops) -> TextTable {
     table
 }
 
-fn horizons_table(horizons: &[Horizon]) -> TextTable {
-    let title = "RMSE over: nominal > with the findings (exact)".to_owned();
+fn horizons_table(answer: &Diagnosis) -> TextTable {
+    let horizons = &answer.horizons;
+    let fitted = if answer.findings.is_empty() && !answer.base.is_empty() { "base model" } else { "with the findings" };
+    let title = format!("RMSE over: nominal > {fitted} (exact)");
     let mut table =
         TextTable::new(std::iter::once(title).chain(horizons.iter().map(|horizon| format!("{} s", horizon.horizon_s))));
     let Some(first) = horizons.first() else { return table };
@@ -102,9 +104,14 @@ fn statistics_table(answer: &Diagnosis) -> TextTable {
         "correlation with command (bound)",
     ]);
     for channel in &answer.statistics {
-        table.row(statistics_row(format!("{}, {}: nominal", channel.quantity, channel.unit), &channel.nominal));
-        if !answer.findings.is_empty() {
-            table.row(statistics_row(format!("{}, {}: extended", channel.quantity, channel.unit), &channel.extended));
+        let mut row = |name: &str, model: &ModelStatistics| {
+            table.row(statistics_row(format!("{}, {}: {name}", channel.quantity, channel.unit), model));
+        };
+        row("nominal", &channel.nominal);
+        match (answer.findings.is_empty(), answer.base.is_empty()) {
+            (false, _) => row("extended", &channel.extended),
+            (true, false) => row("base", &channel.base),
+            (true, true) => (),
         }
     }
     table

@@ -13,10 +13,15 @@ use crate::diagnosis::holding::{self, Holding};
 use crate::diagnosis::lateness::{count_lateness, together_s};
 use crate::diagnosis::progress::{Observer, Progress};
 use crate::diagnosis::search::Search;
-use crate::diagnosis::verdict::{MODEL_ERROR, estimates};
+use crate::diagnosis::verdict::{self, MODEL_ERROR, estimates};
 use crate::log::Log;
 use crate::model::BenchModel;
 use crate::prediction::Subject;
+
+/// How strongly the axes that lean answer.
+pub const TILT_GAINS: [&str; 2] = ["roll_input_gain", "pitch_input_gain"];
+/// Lag and delay, by their name among the numbers.
+const LATENESS: &str = "lag_and_delay_s";
 
 /// An identified bench.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +39,7 @@ pub struct BenchIdentification {
 /// Identifies separate axes from the logs of one bench.
 ///
 /// # Errors
-/// No window, no commands, or axes whose commands never change.
+/// No window, no commands, axes whose commands never change, or numbers that no vehicle has.
 pub fn identify_axes(logs: &[Log]) -> Result<BenchIdentification, NotIdentified> {
     identify_axes_observed(logs, &|_| ())
 }
@@ -82,13 +87,32 @@ pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<Be
     }
     super::refuse_denied(&joined, &effectiveness::of(&fit, &nominal, &subject))?;
     numbers.extend(together_s(&search, &fit).map(|own| Identified {
-        name: "lag_and_delay_s".to_owned(),
+        name: LATENESS.to_owned(),
         unit: "s",
         own,
         to_fly: None,
     }));
     let holding = holding::holding(search.shooting);
+    refuse_impossible(&numbers, !holding.is_empty())?;
     Ok(BenchIdentification { model, numbers, source: super::source(logs, &joined), holding })
+}
+
+/// What no vehicle does: turn against its commands, or before its motors can turn it.
+fn refuse_impossible(numbers: &[Identified], holds: bool) -> Result<(), NotIdentified> {
+    let said = |of: &Identified| format!("{} is {}", of.name, of.in_words());
+    let turns_back = |of: &&Identified| TILT_GAINS.contains(&of.name.as_str()) && verdict::is_reversed(of.own);
+    if let Some(gain) = numbers.iter().find(turns_back) {
+        return Err(NotIdentified::Impossible(format!("{}: it turns against its commands", said(gain))));
+    }
+    let is_too_quick = |of: &&Identified| of.name == LATENESS && verdict::is_too_quick(of.own);
+    match numbers.iter().find(is_too_quick).filter(|_| holds) {
+        Some(late) => Err(NotIdentified::Impossible(format!(
+            "{}, and no motor turns a vehicle so early: the commands hold against something that no log shows, and the \
+             controller's answer to the motion was taken for its cause. Wanted: steps of roll and pitch in calm air",
+            said(late)
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// The starts of one of two fits, counted among those of both.

@@ -52,6 +52,12 @@ impl Identification {
                 of("yaw")
             ));
         }
+        if self.numbers.iter().any(|number| number.to_fly.is_some()) {
+            text.push_str(
+                "# What is marked \"not excited\" these logs hardly show: it is as usual vehicles have it where those\n\
+                 # are alike, and else no more than its interval says.\n",
+            );
+        }
         for to_fly in manoeuvres_for(&self.numbers) {
             text.push_str(&format!("# To know what is marked \"not excited\": {to_fly}.\n"));
         }
@@ -132,7 +138,7 @@ impl Identified {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let said = format!("{:.digits$}{unit} ({low:.digits$} to {high:.digits$})", self.own.value);
         match self.to_fly {
-            Some(_) => format!("{said}, not excited: as usual vehicles have it"),
+            Some(_) => format!("{said}, not excited"),
             None => said,
         }
     }

@@ -4,6 +4,7 @@
 
 mod entry;
 mod filling;
+mod languages;
 mod names;
 mod quaternion;
 #[cfg(test)]

@@ -108,7 +108,7 @@ pub(super) fn named(name: &str, family: Option<Family>) -> Option<Named> {
     if first_is(&CLOCK) {
         return Some(Named { quantity: Quantity::Time, unit: unit_of(&words, Quantity::Time), rank: 2 });
     }
-    let is_turning = has(&RATE) || has(&ANGULAR) && has(&["vel", "velocity"]);
+    let is_turning = has(&RATE) || has(&["vel", "velocity"]) && (has(&ANGULAR) || matches!(axis, Some((_, true))));
     let quantity = if first_is(&["t", "time", "timestamp", "elapsed", "clock", "seconds"]) && !has(&COMMAND) {
         Quantity::Time
     } else if is_time_at_the_end(&words) && axis.is_none() {
@@ -327,5 +327,21 @@ mod tests {
         assert_eq!(named("q1", four.family("q1")), None);
         assert!(is_command_of_some_axis("M_cmd_norm") && !is_command_of_some_axis("roll_cmd"));
         assert!(!is_command_of_some_axis("rcCommand[3]"));
+    }
+
+    #[test]
+    fn names_in_other_languages_are_understood() {
+        use Axis::{Pitch, Roll, Yaw};
+        for (name, quantity, unit) in [
+            ("Zeit [ms]", Quantity::Time, Some("_ms")),
+            ("Nickwinkel [°]", Quantity::Angle(Pitch), Some("_deg")),
+            ("Gierrate [°/s]", Quantity::Rate(Yaw), Some("_deg_s")),
+            ("vit_tangage_deg_s", Quantity::Rate(Pitch), Some("_deg_s")),
+            ("guiñada", Quantity::Angle(Yaw), None),
+            ("vel_alabeo", Quantity::Rate(Roll), None),
+        ] {
+            let said = named(name, None).unwrap_or_else(|| panic!("{name}"));
+            assert_eq!((said.quantity, said.unit), (quantity, unit), "{name}");
+        }
     }
 }

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 
 use shared_control::airframe::MOTORS;
 
+use super::languages::in_english;
+
 /// Words that loggers join with an axis' letter, as in `omegax`.
 const BEFORE_LETTERS: [&str; 8] = ["omega", "gyro", "gyr", "rate", "angvel", "acc", "accel", "angrate"];
 /// Words that they join with an angle's name, as in `rollrate`.
@@ -28,7 +30,9 @@ pub(super) fn words(name: &str) -> Vec<String> {
         let is_start = c.is_ascii_uppercase() && before.is_ascii_lowercase()
             || c.is_ascii_digit() && before.is_ascii_alphabetic() && !before.is_ascii_uppercase()
             || c.is_ascii_alphabetic() && before.is_ascii_digit();
-        if !c.is_alphanumeric() {
+        if c == '°' {
+            words.extend(["deg".to_owned(), String::new()]);
+        } else if !c.is_alphanumeric() {
             words.push(String::new());
         } else {
             if is_start || words.is_empty() {
@@ -41,7 +45,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
         before = c;
     }
     words.retain(|word| !word.is_empty());
-    words.into_iter().flat_map(parted).collect()
+    words.into_iter().flat_map(in_english).flat_map(parted).collect()
 }
 
 /// A word, or the two that it was joined of.

@@ -128,7 +128,7 @@ impl Hidden {
             "step_disturbance" => (turned, None, "torque_nm", 0.01, step),
             "mass_error" => (None, None, "scale", 0.05, scaled),
             "speed_stability" => (None, None, "coefficient_ns", 0.01, |s, _| plain("coefficient_ns", s)),
-            "rotor_drag" => (None, None, "coefficient_ns_m", 0.1, |s, _| plain("coefficient_ns_m", s)),
+            "rotor_drag" => (None, None, "coefficient_ns_m", 0.1, |s, _| plain("coefficient_ns_m", s.min(10.0))),
             "wind" => (None, None, "north_m_s", 4.0, wind),
             "ground_effect" => (None, None, "rotor_radius_m", 0.2, ground_effect),
             other => panic!("{other} can't be hidden"),
