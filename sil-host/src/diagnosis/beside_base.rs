@@ -7,6 +7,7 @@
 //! ```
 
 use super::base::{self, USUAL_LAG_AND_DELAY_S};
+use super::few_commands;
 use super::fitted::Fitted;
 use super::found::Found;
 use super::judge;
@@ -26,6 +27,8 @@ pub(super) struct BesideBase<'a> {
     pub(super) sensors: &'a Kinematics,
     /// What base models are made of.
     pub(super) ordinary: &'a [Fitted],
+    /// The log has so few of the commands that only its sensors can be judged.
+    pub(super) few_commands: bool,
 }
 
 impl BesideBase<'_> {
@@ -38,7 +41,8 @@ impl BesideBase<'_> {
         conclude: impl FnOnce(&Search<'_>, Found<'_>) -> T,
     ) -> T {
         let beside = Fitted::beside(self.scope, |axis| base::is_trimmed(base, axis));
-        let catalogue = self.known.leaves(self.sensors.informed(beside));
+        let mut catalogue = self.known.leaves(self.sensors.informed(beside));
+        catalogue.retain(|effect| !self.few_commands || few_commands::is_asked(effect));
         let search = search.from(base, &catalogue);
         let found = search.run();
         match (bases > 1).then(|| larger_base(&search, self.ordinary, &found)).flatten() {

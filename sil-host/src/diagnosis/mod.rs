@@ -27,6 +27,7 @@ mod enlarging;
 mod estimate;
 mod evidence;
 mod extension;
+mod few_commands;
 mod finding_json;
 mod fitted;
 mod fitting;
@@ -283,7 +284,8 @@ fn searched<T>(
     let (shooting, in_sensors) = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
     let base = base::modelled(&search, &ordinary, &in_sensors);
-    let beside = BesideBase { scope: &scope, known, sensors: &sensors, ordinary: &ordinary };
+    let few_commands = few_commands::are_few(few_commands::commands_per_s(log, search.shooting));
+    let beside = BesideBase { scope: &scope, known, sensors: &sensors, ordinary: &ordinary, few_commands };
     match holding::in_lasting_noise(log, subject, &search, &ordinary, &base)? {
         Some(lasting) if lasting.denies => {
             let search = Search::new(&lasting.shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
@@ -300,6 +302,9 @@ fn searched<T>(
 /// What was not found, and what was not looked for.
 fn rejected(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> {
     let mut rejected = verdict::rejected(search, found);
+    if search.has_base() && few_commands::are_few(few_commands::commands_per_s(log, search.shooting)) {
+        rejected.extend(few_commands::not_asked(&subject.scope(log)));
+    }
     rejected.extend(subject.not_tested(log));
     rejected.push(Rejected { effect: "controller_mismatch", axis: String::new(), reason: NO_CONTROLLER.to_owned() });
     rejected
@@ -341,7 +346,7 @@ fn answer<'e>(
         denied: &denied,
         holding: &holding,
         lateness_s,
-        rows_between: shooting.log.lost.is_some().then(|| 1.0 / log.median_step_s()),
+        commands_per_s: few_commands::commands_per_s(log, shooting),
     };
     let warnings = evidence::warnings::warnings(&shown, &horizons);
     let verdict = Verdict::of_shown(&shown, &findings, &unexplained, &statistics);

@@ -3,12 +3,15 @@
 use serde::Serialize;
 
 use super::evidence::warnings::Shown;
+use super::few_commands::are_few;
 use super::verdict::{answers, is_possible};
 
 /// Why a log does not show what the commands do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NotShownBecause {
+    /// The log has so few of the commands that were given that they show nothing.
+    FewCommands,
     /// What was fitted turns against its commands, or before any motor can turn it.
     NoVehicle,
     /// What follows from the pilot's stick or the reference alone gives another gain than all motion.
@@ -24,6 +27,7 @@ impl NotShownBecause {
     pub(super) fn of(shown: &Shown<'_>) -> Self {
         let Shown { base, denied, holding, lateness_s, .. } = shown;
         match () {
+            () if are_few(shown.commands_per_s) => Self::FewCommands,
             () if !is_possible(base, !holding.is_empty(), *lateness_s) => Self::NoVehicle,
             () if !denied.is_empty() => Self::Denied,
             () if !answers(base) => Self::NoGain,
@@ -47,11 +51,13 @@ mod tests {
             ordinary: true,
             extension: None,
         };
-        let because = |base: &[BaseTerm], denied: &[String]| {
-            let shown = Shown { base, by_reference: &[], denied, holding: &[], lateness_s: None, rows_between: None };
+        let given = |base: &[BaseTerm], denied: &[String], commands_per_s| {
+            let shown = Shown { base, by_reference: &[], denied, holding: &[], lateness_s: None, commands_per_s };
             NotShownBecause::of(&shown)
         };
+        let because = |base: &[BaseTerm], denied: &[String]| given(base, denied, Some(50.0));
         let denied = ["pitch".to_owned()];
+        assert_eq!(given(&[gain(-200.0, 20.0)], &denied, Some(10.0)), NotShownBecause::FewCommands);
         assert_eq!(because(&[gain(-200.0, 20.0)], &denied), NotShownBecause::NoVehicle);
         assert_eq!(because(&[gain(200.0, 20.0)], &denied), NotShownBecause::Denied);
         assert_eq!(because(&[gain(20.0, 20.0)], &[]), NotShownBecause::NoGain);

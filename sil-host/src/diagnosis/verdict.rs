@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::base::BaseTerm;
 use super::estimate::Estimate;
+use super::few_commands::are_few;
 use super::fitted::{Fitted, per_unit_inertia};
 use super::found::Found;
 use super::lateness::count_lateness;
@@ -94,6 +95,9 @@ const FLOOR_FACTOR_MAX: f64 = 1.3;
 const NEGLIGIBLE_PCT: f64 = 0.5;
 /// Standard deviations that an axis' input gain must be off zero to be one.
 const ANSWERS_FROM: f64 = 2.0;
+/// Angular acceleration by a full command that anything on a bench or in the air has at least, rad/s^2: the slowest
+/// axis of the vehicles here has 13. What stands on the ground has a few tenths.
+const LEAST_GAIN_RAD_S2: f64 = 1.0;
 /// So many below zero it is that of an axis which answers the wrong way round: one in a thousand by chance.
 const REVERSED_FROM: f64 = 3.0;
 /// No motor with its propeller turns a vehicle earlier than this, s: those of the smallest racing quadrotors take 10 ms
@@ -108,7 +112,8 @@ impl Verdict {
         !matches!(self, Verdict::NotAModel | Verdict::NotShown)
     }
 
-    /// Of an answer: nothing is shown by gains that are denied, or that no vehicle has.
+    /// Of an answer: nothing is shown by gains that are denied, or that no vehicle has, nor by few of the commands, but
+    /// of sensors, which attitude and gyro show without them.
     pub(super) fn of_shown(
         shown: &Shown<'_>,
         findings: &[Finding],
@@ -117,6 +122,10 @@ impl Verdict {
     ) -> Verdict {
         let Shown { base, denied, holding, lateness_s, .. } = shown;
         let holds = !holding.is_empty();
+        let of_sensors = || !findings.is_empty() && findings.iter().all(|of| of.origin == Origin::Sensor);
+        if are_few(shown.commands_per_s) && !of_sensors() {
+            return Verdict::NotShown;
+        }
         match is_possible(base, holds, *lateness_s) && denied.is_empty() {
             false => Verdict::NotShown,
             true if holds => Verdict::of_holding(findings, base),
@@ -177,14 +186,19 @@ pub(super) fn is_too_quick(lateness_s: Estimate) -> bool {
     lateness_s.value + ANSWERS_FROM * lateness_s.std < QUICKEST_S
 }
 
-/// Does an axis surely follow its command? What has no gain to fit has a model that says so. Of what leans, yaw alone
-/// says nothing of how it does.
+/// Does an axis surely follow its command, as something that flies or turns on a bench does? What has no gain to fit
+/// has a model that says so. Of what leans, yaw alone says nothing of how it does; about yaw propellers may turn the
+/// other way round.
 pub(super) fn answers(base: &[BaseTerm]) -> bool {
     let gains: Vec<&BaseTerm> = base.iter().filter(|term| term.effect == "input_gain").collect();
     let leans = |term: &&BaseTerm| term.axis != Some(Axis::Yaw.name());
     let may_lean = gains.iter().any(leans);
     let mut asked = gains.iter().filter(|term| !may_lean || leans(term)).flat_map(|term| term.parameters.values());
-    gains.is_empty() || asked.any(|gain| gain.value.abs() > ANSWERS_FROM * gain.std)
+    let size = |gain: &Estimate| if may_lean { gain.value } else { gain.value.abs() };
+    let is_one = |gain: &Estimate| {
+        size(gain) > ANSWERS_FROM * gain.std && size(gain) + ANSWERS_FROM * gain.std >= LEAST_GAIN_RAD_S2
+    };
+    gains.is_empty() || asked.any(is_one)
 }
 
 /// Findings of a search, most important first.

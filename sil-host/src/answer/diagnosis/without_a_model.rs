@@ -11,6 +11,10 @@ const ROWS_WANTED_PER_S: f64 = 100.0;
 /// Of a log that does not show what its commands do.
 pub fn not_shown(answer: &Diagnosis) -> String {
     let because = match answer.not_shown_because {
+        Some(NotShownBecause::FewCommands) => {
+            "The log has few of them, and what the controller commanded in between nobody knows: how late and how \
+             strongly the vehicle answers hardly shows."
+        }
         Some(NotShownBecause::NoVehicle) => {
             "What fits best is no vehicle: it turns against its commands, or before its motors can turn it. Then the \
              controller's answer to the motion was taken for the motion's cause, or a column is not what it seems."
@@ -20,7 +24,7 @@ pub fn not_shown(answer: &Diagnosis) -> String {
              below): something beside the commands moved the vehicle as much as they did."
         }
         Some(NotShownBecause::NoGain) => {
-            "How strongly it answers them stays unknown: of no axis is that surely more than nothing."
+            "How strongly the vehicle answers them stays unknown: of no axis is that surely more than nothing."
         }
         Some(NotShownBecause::BesideCommands) | None => {
             "No linear response to them predicts the motion much better than its mean: they hardly change, or \
@@ -57,9 +61,12 @@ fn flight_wanted(answer: &Diagnosis) -> String {
         [] => Axis::Yaw.name().to_owned(),
         shown => shown.join(" and "),
     };
-    let rows = match answer.log.rate_hz < ROWS_WANTED_PER_S {
-        true => format!(", logged at {ROWS_WANTED_PER_S:.0} rows/s or more (here {:.0})", answer.log.rate_hz),
-        false => String::new(),
+    let rows = match answer.not_shown_because {
+        Some(NotShownBecause::FewCommands) => format!(", its commands logged {ROWS_WANTED_PER_S:.0} times a second"),
+        _ if answer.log.rate_hz < ROWS_WANTED_PER_S => {
+            format!(", logged at {ROWS_WANTED_PER_S:.0} rows/s or more (here {:.0})", answer.log.rate_hz)
+        }
+        _ => String::new(),
     };
     format!("Steps of {axes} to 20 degrees for 15 s, in calm air{rows},")
 }

@@ -39,8 +39,11 @@ fn headline(flown: &[FlownController]) -> String {
     }
     let settled = |one: &FlownController| match settling_times(one)[..] {
         [] => format!("{} holds the attitude within {}", label(one), with_unit(largest_rms(one), "deg")),
-        ref times => match times.iter().copied().reduce(|a, b| Some(a?.max(b?))).flatten() {
-            Some(slowest_s) => format!("{} settles in {}", label(one), with_unit(slowest_s, "s")),
+        ref times => match slowest(times) {
+            Some((axis, time_s)) if times.len() > 1 => {
+                format!("{} settles in {}, in {axis} last", label(one), with_unit(time_s, "s"))
+            }
+            Some((axis, time_s)) => format!("{} settles in {} in {axis}", label(one), with_unit(time_s, "s")),
             None => format!("{} does not settle after every step", label(one)),
         },
     };
@@ -59,12 +62,18 @@ fn largest_rms(one: &FlownController) -> f64 {
     axes.roll.rms_error_deg.max(axes.pitch.rms_error_deg)
 }
 
+/// The axis that settles last; none where one does not settle.
+fn slowest(times: &[(&'static str, Option<f64>)]) -> Option<(&'static str, f64)> {
+    let settled: Option<Vec<(&str, f64)>> = times.iter().map(|(axis, time_s)| Some((*axis, (*time_s)?))).collect();
+    settled?.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
 /// Of the axes whose reference changes.
-fn settling_times(one: &FlownController) -> Vec<Option<f64>> {
+fn settling_times(one: &FlownController) -> Vec<(&'static str, Option<f64>)> {
     let axes = &one.flight.summary.axes;
     let steps = |axis: usize| one.flight.record.reference_rad.windows(2).any(|pair| pair[0][axis] != pair[1][axis]);
-    let times = [axes.roll.settling_time_s, axes.pitch.settling_time_s];
-    times.into_iter().enumerate().filter(|(axis, _)| steps(*axis)).map(|(_, time_s)| time_s).collect()
+    let times = [("roll", axes.roll.settling_time_s), ("pitch", axes.pitch.settling_time_s)];
+    times.into_iter().enumerate().filter(|(axis, _)| steps(*axis)).map(|(_, time)| time).collect()
 }
 
 fn card(flown: &[FlownController]) -> Card {

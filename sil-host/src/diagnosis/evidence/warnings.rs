@@ -12,9 +12,9 @@ use crate::prediction::WINDOW_S;
 
 /// Share by which a base model must miss a channel by more than the nominal one for that to be said.
 const HARM_FROM: f64 = 0.1;
-/// Rows a second of a controller that commands between them, from which on answers have been held against the truth:
-/// blind campaigns with logs of 100 and more.
-const ROWS_TRIED: f64 = 90.0;
+/// Commands a second of a controller that gives others between them, from which on answers have been held against the
+/// truth: blind campaigns with logs of 100 and more.
+const COMMANDS_TRIED: f64 = 90.0;
 
 /// What an answer says of a vehicle and its commands.
 pub(in crate::diagnosis) struct Shown<'a> {
@@ -25,27 +25,28 @@ pub(in crate::diagnosis) struct Shown<'a> {
     pub(in crate::diagnosis) holding: &'a [Holding],
     /// Lag and delay together, s.
     pub(in crate::diagnosis) lateness_s: Option<Estimate>,
-    /// Rows a second, where the controller commanded between them.
-    pub(in crate::diagnosis) rows_between: Option<f64>,
+    /// Commands that the log has of each second, where the controller gave others between them.
+    pub(in crate::diagnosis) commands_per_s: Option<f64>,
 }
 
 /// Of a base model's numbers, of those that are denied, and of what they predict, or why that is no test of them.
 pub(in crate::diagnosis) fn warnings(shown: &Shown<'_>, horizons: &[Horizon]) -> Vec<String> {
-    let Shown { base, by_reference, denied, holding, lateness_s, rows_between } = shown;
+    let Shown { base, by_reference, denied, holding, lateness_s, commands_per_s } = shown;
     let harm = held_against(holding).or_else(|| harm(base, horizons));
     let too_quick = lateness_s.filter(|_| !holding.is_empty()).and_then(too_quick);
     let reversed = Axis::ALL.into_iter().filter_map(|axis| reversed(axis.name(), base, by_reference));
-    let few = rows_between.and_then(few_rows);
+    let few = commands_per_s.and_then(few_commands);
     reversed.chain(held(denied)).chain(too_quick).chain(harm).chain(few).collect()
 }
 
-/// Rows so far apart that most commands are between them.
-fn few_rows(per_s: f64) -> Option<String> {
-    (per_s < ROWS_TRIED).then(|| {
+/// A log that has few of the commands that were given.
+fn few_commands(per_s: f64) -> Option<String> {
+    (per_s < COMMANDS_TRIED).then(|| {
         format!(
-            "The controller commanded between the rows of this log, {per_s:.0} a second, and what it commanded nobody \
-             knows. Of a simulated vehicle that is as modelled, such logs have shown frictions, inertias and onsets of \
-             a few percent that are not there. Log 100 rows a second or more, or the control loop's own rate."
+            "The controller commanded more often than the {per_s:.0} times a second that this log has, and what it \
+             commanded between them nobody knows. Of a simulated vehicle that is as modelled, such logs have shown \
+             frictions, inertias and onsets of a few percent that are not there. Log 100 commands a second or more, or \
+             the control loop's own rate."
         )
     })
 }
@@ -115,18 +116,18 @@ mod tests {
     fn said(base: &[BaseTerm], by_reference: &[ByReference], lateness_s: Option<Estimate>, holds: bool) -> Vec<String> {
         let held = Holding { axis: "roll", std_rad_s2: 8.0, memory_s: 1.0 };
         let holding = if holds { &[held][..] } else { &[] };
-        warnings(&Shown { base, by_reference, denied: &[], holding, lateness_s, rows_between: None }, &[])
+        warnings(&Shown { base, by_reference, denied: &[], holding, lateness_s, commands_per_s: None }, &[])
     }
 
     #[test]
-    fn rows_too_far_apart_for_their_commands_are_told() {
-        let shown = |rows_between| {
+    fn commands_between_those_of_a_log_are_told() {
+        let shown = |commands_per_s| {
             let (lateness_s, none) = (None, &[][..]);
-            let shown = Shown { base: &[], by_reference: &[], denied: none, holding: &[], lateness_s, rows_between };
+            let shown = Shown { base: &[], by_reference: &[], denied: none, holding: &[], lateness_s, commands_per_s };
             warnings(&shown, &[])
         };
         let few = shown(Some(50.0));
-        assert!(few.len() == 1 && few[0].contains("50 a second"), "{few:?}");
+        assert!(few.len() == 1 && few[0].contains("the 50 times a second"), "{few:?}");
         assert_eq!([shown(Some(100.0)), shown(None)], [Vec::<String>::new(), Vec::new()]);
     }
 

@@ -122,6 +122,9 @@ pub fn identify_observed(
     let joined = Log::joined(held)?;
     let thinned = joined.thinned();
     let log = thinned.as_ref().unwrap_or(&joined);
+    if shown_flight::slow_commands_hz(log).is_some() {
+        return Err(NotIdentified::Quiet(Box::new(ShownFlight::of(log))));
+    }
     let start = start::vehicle(log, scale, battery_v)?;
     let rough = fitting::rough(log, &start, observer)?;
     let Fine { model, numbers, gains: [roll, pitch, _] } = fitting::fine(log, &rough, observer)?;

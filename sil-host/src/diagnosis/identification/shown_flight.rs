@@ -22,6 +22,11 @@ pub struct ShownFlight {
     by_reference: [Option<ByReference>; 3],
 }
 
+/// How often a log's commands were logged, 1/s, where that is too seldom.
+pub(super) fn slow_commands_hz(log: &Log) -> Option<f64> {
+    log.sent_commands.as_ref().map(|sent| sent.rate_hz()).filter(|hz| *hz < SLOW_HZ)
+}
+
 impl ShownFlight {
     pub(super) fn of(log: &Log) -> ShownFlight {
         let active = log.active_rows();
@@ -44,7 +49,7 @@ impl ShownFlight {
         ShownFlight {
             duration_s: steps.sum(),
             rows_hz: log.rate_hz(),
-            slow_commands_hz: log.sent_commands.as_ref().map(|sent| sent.rate_hz()).filter(|hz| *hz < SLOW_HZ),
+            slow_commands_hz: slow_commands_hz(log),
             tilt_deg: tilt(Axis::Roll).into_iter().chain(tilt(Axis::Pitch)).reduce(f64::max),
             rate_deg_s: [Axis::Roll, Axis::Pitch].map(rate),
             by_reference: by_reference(log.commanding()),
