@@ -248,6 +248,10 @@ fn at_own_voltage(log: &Log, vehicle: Option<VehicleModel>) -> (Option<VehicleMo
     }
 }
 
+/// What the forces of a vehicle are whose mass nobody said.
+const OF_ONE_KILOGRAM: &str = " A log shows ratios only: forces, moments and inertias are those of a vehicle of 1 kg \
+                               (--known mass_kg=...).";
+
 /// At which voltage a model is taken, where that is another one than its own.
 fn voltage_said(of_v: f64, own_v: f64) -> Option<String> {
     let stronger = own_v / of_v;
@@ -271,7 +275,8 @@ fn identified_from(
             vehicle: Some(identified.model.clone()),
             said: format!(
                 "No --model: the vehicle was identified from {called} first (sil identify); what follows is what that \
-                 model lacks."
+                 model lacks.{}",
+                if scale.mass_kg.is_none() { OF_ONE_KILOGRAM } else { "" }
             ),
             identified: Some(identified),
             ..HeldAgainst::default()

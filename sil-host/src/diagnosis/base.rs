@@ -49,6 +49,11 @@ pub(super) const USUAL_LAG_AND_DELAY_S: [f64; 2] = [0.03, 0.01];
 /// among the smallest vehicles, have 6 to 13, one of ArduPilot's 0.7 (docs/real-logs.md).
 pub(super) const BY_SPEED_STD: f64 = 10.0;
 
+/// What rotors that turn with a vehicle brake it in the air, over its inertia, 1/s, and how far from that it may be
+/// before a log is seen: a rotor's lift falls by half to all of itself over its induced velocity for each m/s that it
+/// moves against the air, which makes 2 to 5 of an F450 and of a Crazyflie alike.
+const BRAKED_BY_AIR_1_S: [f64; 2] = [3.0, 5.0];
+
 /// No motor with a propeller follows its command within this time, s: those of the smallest racing quadrotors take 10
 /// ms.
 const QUICKEST_MOTOR_S: f64 = 2e-3;
@@ -84,7 +89,14 @@ pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
         BEARING => scope.is_held || !scope.is_vehicle,
         name => !scope.is_vehicle && !scope.shown_free && BENCH.contains(&name),
     };
-    let bench = Fitted::beside(scope, |_| true).into_iter().filter(is_of_bench);
+    let brakes = |effect: Fitted| match effect.axis().filter(|_| effect.name() == BEARING && scope.shown_free) {
+        Some(axis) => {
+            let [mean, std] = BRAKED_BY_AIR_1_S.map(|per_s| per_s * scope.scale.inertia_kg_m2[axis.index()]);
+            effect.expected(Prior { mean, std })
+        }
+        None => effect,
+    };
+    let bench = Fitted::beside(scope, |_| true).into_iter().filter(is_of_bench).map(brakes);
     // where nothing shows lift itself, of the first axis only lift over inertia shows, which the lift scale has
     let of_first = usize::from(!scope.pushed);
     let is_inertia = |effect: &Fitted| scope.is_vehicle && (scope.is_held || scope.pushed) && effect.name() == INERTIA;

@@ -96,7 +96,7 @@ fn unchecked(name: &'static str, needs: &str) -> Check {
 fn reaction_against_drag(device: &DevicePropulsion) -> Check {
     let (reaction, drag) = (device.reaction_torque_nm_s2, device.drag_nm_s2);
     let says = format!(
-        "what turns the frame ({reaction:.3e} N m s^2) and what brakes the motor ({drag:.3e}) are one torque, but \
+        "what turns the frame ({reaction:.3e} N m s^2) and what brakes the motor ({drag:.3e}) are one torque: \
          their ratio is {:.2}",
         reaction / drag
     );
