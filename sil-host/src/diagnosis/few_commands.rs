@@ -13,9 +13,11 @@ use crate::log::{Log, SLOW_HZ};
 /// Why what acts by the commands is not looked for.
 const NOT_ASKED: &str = "not asked: the log has few of the commands that were given";
 
-/// Commands that a log has of each second, where the controller gave others between them.
+/// Commands that a log has of each second, where the controller gave others between them: as its motion has it, and of
+/// a flight controller, which commands some hundred times a second, whatever its motion has.
 pub(super) fn commands_per_s(log: &Log, shooting: &Shooting<'_>) -> Option<f64> {
-    shooting.log.lost.is_some().then(|| 1.0 / log.commands().median_step_s())
+    let others = shooting.log.lost.is_some() || log.flight_controller.is_some();
+    others.then(|| 1.0 / log.commands().median_step_s())
 }
 
 /// Are these so few that no log shows what they do?

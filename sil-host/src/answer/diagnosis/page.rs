@@ -125,11 +125,8 @@ fn causes(log: &Log, answer: &Diagnosis) -> Section {
         let known: Vec<String> = answer.known.iter().map(fact_text).collect();
         section = section.paragraph(format!("Known beside the log, and held: {}.", known.join(", ")));
     }
-    if !answer.verdict.has_a_model() {
-        section = section.warning(
-            "Whatever is added, the model predicts no better than the measurements' mean: what stands below is the \
-             best of what was tried, not a cause.",
-        );
+    if let Some(warning) = without_a_model::warning(answer) {
+        section = section.warning(warning);
     }
     if !answer.verdict.has_a_model() {
         section = evidence::what_commands_explain(answer).into_iter().fold(section, Section::paragraph);

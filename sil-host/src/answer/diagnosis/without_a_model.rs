@@ -1,7 +1,7 @@
 //! What is said where an answer is no model of the vehicle: why not, and which flight would show one.
 
 use crate::axis::Axis;
-use crate::diagnosis::{Diagnosis, NotShownBecause};
+use crate::diagnosis::{Diagnosis, NotShownBecause, Verdict};
 
 use crate::answer::plain_words::axis_of;
 
@@ -40,6 +40,20 @@ pub fn not_a_model(answer: &Diagnosis) -> String {
         "Not a model of this vehicle yet: whatever is added, it predicts no better than the measurements' mean. {}",
         what_to_do(answer)
     )
+}
+
+/// What is not to be taken for a cause, above what was found.
+pub fn warning(answer: &Diagnosis) -> Option<String> {
+    let because = match answer.verdict {
+        Verdict::NotAModel => "Whatever is added, the model predicts no better than the measurements' mean",
+        Verdict::NotShown => "This log does not show what the commands do",
+        _ => return None,
+    };
+    let then = match answer.findings.is_empty() {
+        true => "no cause can be told",
+        false => "what stands below is the best of what was tried, not a cause",
+    };
+    Some(format!("{because}: {then}."))
 }
 
 /// What to do then.

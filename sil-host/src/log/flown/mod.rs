@@ -22,6 +22,8 @@ use crate::statistics::{median, wrapped};
 use crate::vehicle::signed_sums;
 use std::ops::Range;
 
+/// So many flights of a log are told.
+const LISTED_MAX: usize = 5;
 /// Share of the usual collective below which nothing is held up.
 const IDLE: f64 = 0.5;
 /// Motors that do less than this share of the usual collective turn idly or stand, however they differ.
@@ -129,7 +131,10 @@ impl Flown {
                 (None, 1) => "one flight".to_owned(),
                 (None, count) => format!("{count} flights (--flight N takes one)"),
             };
-            let list: Vec<String> = chosen.iter().map(|flight| flight.to_string()).collect();
+            let mut list: Vec<String> = chosen.iter().take(LISTED_MAX).map(|flight| flight.to_string()).collect();
+            if chosen.len() > LISTED_MAX {
+                list.push(format!("{} more (--flight 0 lists all)", chosen.len() - LISTED_MAX));
+            }
             format!("flown: {which}: {}; of {:.2} s to {:.2} s (--whole takes all)", list.join("; "), ends[0], ends[1])
         };
         part.notes.splice(0..0, std::iter::once(said).chain(self.notes.iter().cloned()));
