@@ -37,9 +37,11 @@ fn a_foreign_flight_is_identified_and_its_model_serves_the_other_commands() {
     assert!(toml.contains("NOT KNOWN") && toml.contains("rig = \"free\""), "{toml}");
     let compared = folder.sil(&[&["compare"], &map[..], &["--model", "vehicle.toml"]].concat()).assert_done().stdout;
     assert!(compared.contains("identified from foreign.csv"), "{compared}");
-    // what this flight does not show, the reaction torque of yaw, a board does not take
+    // what this flight does not show, the reaction torque of yaw, a board does not take; the model is told all the same
     let known = ["--known", "mass_kg=1.2", "--known", "arm_m=0.226", "--params", "vehicle.params"];
-    folder.sil(&[&["identify"], &map[..], &known[..]].concat()).assert_refused(&["--params", "board", "do not show"]);
+    let refused = folder.sil(&[&["identify"], &map[..], &known[..]].concat());
+    refused.assert_message_of_status_2(&["--params", "board", "do not show"]);
+    assert!(refused.stdout.contains("mass_kg = 1.2"), "{refused:?}");
     let bench = ["identify", "flight.csv", "--rig", "axis", "--params", "no.params"];
     folder.sil(&bench).assert_refused(&["--params", "separate axes"]);
     // without a model the diagnosis identifies first, and says so first
