@@ -6,9 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use sil_host::answer::board_parameters::{board_parameters, params_file};
 use sil_host::answer::identified::{table, table_of};
-use sil_host::diagnosis::{
-    Holding, Identified, KnownScale, NotIdentified, TILT_GAINS, identify_axes_observed, identify_observed,
-};
+use sil_host::diagnosis::{Holding, Identified, KnownScale, NotIdentified, identify_axes_observed, identify_observed};
 use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
@@ -150,7 +148,7 @@ fn axes_of_flight(arguments: &IdentifyArguments, logs: &[Log], error: &NotIdenti
     let asks_for_vehicle = !arguments.known.is_empty() || arguments.params.is_some() || arguments.log.names_a_rig();
     let may_be = matches!(error, NotIdentified::Quiet(_) | NotIdentified::AtOnce(_) | NotIdentified::Held(_));
     let made = (may_be && !asks_for_vehicle).then(|| axes(logs).ok())??;
-    let shows = |number: &Identified| TILT_GAINS.contains(&number.name.as_str()) && number.to_fly.is_none();
+    let shows = |number: &Identified| number.is_of_tilt() && number.to_fly.is_none();
     made.answer.numbers.iter().any(shows).then_some(made)
 }
 

@@ -25,6 +25,11 @@ pub(super) fn are_few(commands_per_s: Option<f64>) -> bool {
     commands_per_s.is_some_and(|per_s| per_s < SLOW_HZ)
 }
 
+/// Is a log one of those?
+pub(super) fn has_few(log: &Log, shooting: &Shooting<'_>) -> bool {
+    are_few(commands_per_s(log, shooting))
+}
+
 /// Can an effect be told without commands?
 pub(super) fn is_asked(effect: &Fitted) -> bool {
     effect.origin() == Origin::Sensor

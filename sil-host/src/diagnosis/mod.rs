@@ -97,8 +97,8 @@ use found::Found;
 pub(crate) use holding::held_against;
 pub use holding::{Holding, LastingGain};
 pub use identification::{
-    BenchIdentification, Identification, Identified, KnownScale, NotIdentified, ShownFlight, TILT_GAINS,
-    effectiveness_rad_s2, identify, identify_axes, identify_axes_observed, identify_observed, manoeuvres_for, mismatch,
+    BenchIdentification, Identification, Identified, KnownScale, NotIdentified, ShownFlight, effectiveness_rad_s2,
+    identify, identify_axes, identify_axes_observed, identify_observed, manoeuvres_for, mismatch,
 };
 use kinematics::Kinematics;
 pub use known::{Fact, Known, NotKnown};
@@ -284,7 +284,7 @@ fn searched<T>(
     let (shooting, in_sensors) = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
     let base = base::modelled(&search, &ordinary, &in_sensors);
-    let few_commands = few_commands::are_few(few_commands::commands_per_s(log, search.shooting));
+    let few_commands = few_commands::has_few(log, search.shooting);
     let beside = BesideBase { scope: &scope, known, sensors: &sensors, ordinary: &ordinary, few_commands };
     match holding::in_lasting_noise(log, subject, &search, &ordinary, &base)? {
         Some(lasting) if lasting.denies => {
@@ -302,7 +302,7 @@ fn searched<T>(
 /// What was not found, and what was not looked for.
 fn rejected(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> {
     let mut rejected = verdict::rejected(search, found);
-    if search.has_base() && few_commands::are_few(few_commands::commands_per_s(log, search.shooting)) {
+    if search.has_base() && few_commands::has_few(log, search.shooting) {
         rejected.extend(few_commands::not_asked(&subject.scope(log)));
     }
     rejected.extend(subject.not_tested(log));

@@ -5,6 +5,7 @@ use crate::log::Log;
 use crate::report::{Cell, Chart, Section, Table};
 use crate::statistics::decimals;
 
+use super::page::Beside;
 use crate::answer::plain_words::{capitalised, quantity, unit};
 
 /// Conditions drawn per axis: the strongest ones.
@@ -127,12 +128,10 @@ fn statistics<const N: usize>(
     for channel in &answer.statistics {
         let name = format!("{}, {}", quantity(channel.quantity), unit(channel.unit));
         table = table.row([Cell::from(name), "nominal".into()].into_iter().chain(cells(&channel.nominal)));
-        let fitted = match (answer.findings.is_empty(), answer.base.is_empty()) {
-            (false, _) => ("findings", &channel.extended),
-            (true, false) => ("base", &channel.base),
-            (true, true) => continue,
-        };
-        table = table.row([Cell::from(""), fitted.0.into()].into_iter().chain(cells(fitted.1)));
+        if let Some(beside) = Beside::of(answer) {
+            let model = if beside == Beside::Findings { "findings" } else { "base" };
+            table = table.row([Cell::from(""), model.into()].into_iter().chain(cells(beside.figures(channel))));
+        }
     }
     table
 }

@@ -6,8 +6,8 @@ use crate::log::Log;
 use crate::prediction::Channel;
 use crate::report::{Card, Chart, Page, Tone};
 
+use super::page::Beside;
 use super::without_a_model;
-
 use crate::answer::key_window::Predicted;
 use crate::answer::plain_words::{
     axis_of, capitalised, cause, doubted, main_parameter, parameter, quantity, sentence, unit, with_unit,
@@ -113,11 +113,10 @@ pub(crate) fn picture(log: &Log, answer: &Diagnosis) -> Option<Chart> {
     let column = log.column(channel.quantity()).unwrap_or(&[]);
     let all = column.iter().map(|value| channel.in_unit(*value)).collect();
     let mut errors = vec![("nominal model", &series.nominal[..])];
-    if !answer.findings.is_empty() {
-        errors.push(("with the findings", &series.extended));
-    } else if !answer.base.is_empty() {
-        errors.push(("base model", &series.base));
-    }
+    errors.extend(Beside::of(answer).map(|beside| match beside {
+        Beside::Findings => (beside.name(), &series.extended[..]),
+        Beside::Base => (beside.name(), &series.base[..]),
+    }));
     let predicted = Predicted {
         title: capitalised(quantity(error.quantity)),
         unit: unit(error.unit),

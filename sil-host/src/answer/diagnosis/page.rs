@@ -2,7 +2,8 @@
 //! after, what was rejected.
 
 use crate::diagnosis::{
-    BaseTerm, ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Fact, Finding, Holding, PredictionErrors, Verdict,
+    BaseTerm, ChannelResiduals, ChannelStatistics, ClosedLoops, Diagnosis, Estimate, Fact, Finding, Holding,
+    ModelStatistics, PredictionErrors, Verdict,
 };
 use crate::log::Log;
 use crate::prediction::ChannelErrors;
@@ -61,6 +62,42 @@ pub fn error_rows(errors: &PredictionErrors) -> [(&'static str, ChannelErrors); 
         ("with the findings", errors.extended),
         ("an exact model", errors.noise_floor),
     ]
+}
+
+/// The model that is shown beside the nominal one.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Beside {
+    /// With the findings in it.
+    Findings,
+    /// The base model, where nothing was found.
+    Base,
+}
+
+impl Beside {
+    /// That of an answer; none where the nominal model is all.
+    pub(super) fn of(answer: &Diagnosis) -> Option<Beside> {
+        match (answer.findings.is_empty(), answer.base.is_empty()) {
+            (false, _) => Some(Beside::Findings),
+            (true, false) => Some(Beside::Base),
+            (true, true) => None,
+        }
+    }
+
+    /// What it is called over a curve or a column.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Beside::Findings => "with the findings",
+            Beside::Base => "base model",
+        }
+    }
+
+    /// Its figures in a channel.
+    pub(super) fn figures(self, channel: &ChannelStatistics) -> &ModelStatistics {
+        match self {
+            Beside::Findings => &channel.extended,
+            Beside::Base => &channel.base,
+        }
+    }
 }
 
 /// "98.2 to 99.6".
@@ -229,8 +266,11 @@ fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {
 fn horizons(answer: &Diagnosis) -> Table {
     let header: Vec<String> = answer.horizons.iter().map(|horizon| format!("{} s", horizon.horizon_s)).collect();
     let names: Vec<&str> = std::iter::once("").chain(header.iter().map(String::as_str)).collect();
-    let caption = "RMSE of predictions over several horizons: nominal → with the findings (an exact model). Beyond \
-                   0.5 s windows contain rows that the fit has used";
+    let caption = format!(
+        "RMSE of predictions over several horizons: nominal → {} (an exact model). Beyond 0.5 s windows contain rows \
+         that the fit has used",
+        Beside::of(answer).unwrap_or(Beside::Findings).name()
+    );
     let mut table = Table::new(caption, &names);
     let Some(first) = answer.horizons.first() else { return table };
     for error in &first.errors {

@@ -4,7 +4,7 @@ use crate::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatisti
 use crate::log::Log;
 
 use super::evidence::what_commands_explain;
-use super::page::{base_lines, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
+use super::page::{Beside, base_lines, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
 use crate::answer::Emphasis;
 use crate::answer::text_table::{TextTable, error_table, number};
 
@@ -77,8 +77,8 @@ fn closed_loop_table(closed_loop: &ClosedLoops) -> TextTable {
 
 fn horizons_table(answer: &Diagnosis) -> TextTable {
     let horizons = &answer.horizons;
-    let fitted = if answer.findings.is_empty() && !answer.base.is_empty() { "base model" } else { "with the findings" };
-    let title = format!("RMSE over: nominal > {fitted} (exact)");
+    let beside = Beside::of(answer).unwrap_or(Beside::Findings);
+    let title = format!("RMSE over: nominal > {} (exact)", beside.name());
     let mut table =
         TextTable::new(std::iter::once(title).chain(horizons.iter().map(|horizon| format!("{} s", horizon.horizon_s))));
     let Some(first) = horizons.first() else { return table };
@@ -108,10 +108,8 @@ fn statistics_table(answer: &Diagnosis) -> TextTable {
             table.row(statistics_row(format!("{}, {}: {name}", channel.quantity, channel.unit), model));
         };
         row("nominal", &channel.nominal);
-        match (answer.findings.is_empty(), answer.base.is_empty()) {
-            (false, _) => row("extended", &channel.extended),
-            (true, false) => row("base", &channel.base),
-            (true, true) => (),
+        if let Some(beside) = Beside::of(answer) {
+            row(if beside == Beside::Findings { "extended" } else { "base" }, beside.figures(channel));
         }
     }
     table

@@ -1,7 +1,7 @@
 //! A bench's model from its log: the base model of the diagnosis of separate axes, made a file.
 
 use super::NotIdentified;
-use super::numbers::{Identified, STEPS, UNKNOWN_FROM};
+use super::numbers::{Identified, LATENESS, STEPS, UNKNOWN_FROM};
 use super::seen;
 use crate::axis::Axis;
 use crate::diagnosis::base;
@@ -17,11 +17,6 @@ use crate::diagnosis::verdict::{self, MODEL_ERROR, estimates};
 use crate::log::Log;
 use crate::model::BenchModel;
 use crate::prediction::Subject;
-
-/// How strongly the axes that lean answer.
-pub const TILT_GAINS: [&str; 2] = ["roll_input_gain", "pitch_input_gain"];
-/// Lag and delay, by their name among the numbers.
-const LATENESS: &str = "lag_and_delay_s";
 
 /// An identified bench.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,7 +95,7 @@ pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<Be
 /// What no vehicle does: turn against its commands, or before its motors can turn it.
 fn refuse_impossible(numbers: &[Identified], holds: bool) -> Result<(), NotIdentified> {
     let said = |of: &Identified| format!("{} is {}", of.name, of.in_words());
-    let turns_back = |of: &&Identified| TILT_GAINS.contains(&of.name.as_str()) && verdict::is_reversed(of.own);
+    let turns_back = |of: &&Identified| of.is_of_tilt() && verdict::is_reversed(of.own);
     if let Some(gain) = numbers.iter().find(turns_back) {
         return Err(NotIdentified::Impossible(format!("{}: it turns against its commands", said(gain))));
     }

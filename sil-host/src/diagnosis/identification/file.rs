@@ -1,7 +1,7 @@
 //! The model file of an identified vehicle: what `--model` reads, each number with its interval and where it is from.
 
 use super::Identification;
-use super::numbers::{Identified, manoeuvres_for};
+use super::numbers::{Identified, LATENESS, manoeuvres_for};
 use crate::effects::Effect;
 use crate::vehicle::Mounting;
 
@@ -121,7 +121,7 @@ impl Identification {
             Effect::TorqueBias(_) => of_axis("trim").map(|trim| format!("trim, as an acceleration {trim}")),
             Effect::GyroBias(_) => of_axis("gyro_bias"),
             Effect::MotorLag(_) => {
-                Some(format!("{}; lag and delay together {}", self.said("motor_lag_s"), self.said("lag_and_delay_s")))
+                Some(format!("{}; lag and delay together {}", self.said("motor_lag_s"), self.said(LATENESS)))
             }
             Effect::ActuationDelay(_) => Some(self.said("delay_s")),
             _ => None,

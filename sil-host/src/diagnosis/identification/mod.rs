@@ -32,7 +32,7 @@ use crate::log::sanity::by_reference;
 use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;
-pub use bench::{BenchIdentification, TILT_GAINS, identify_axes, identify_axes_observed};
+pub use bench::{BenchIdentification, identify_axes, identify_axes_observed};
 use fitting::Fine;
 pub use mismatch::mismatch;
 pub use numbers::{Identified, effectiveness_rad_s2, manoeuvres_for};

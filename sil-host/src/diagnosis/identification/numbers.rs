@@ -34,9 +34,10 @@ impl Identified {
         [self.own.value - QUANTILE * self.own.std, self.own.value + QUANTILE * self.own.std]
     }
 
-    /// Is it how roll or pitch answers to the motors?
-    pub(super) fn is_of_tilt(&self) -> bool {
-        ["roll_effectiveness", "pitch_effectiveness"].contains(&self.name.as_str())
+    /// Is it how roll or pitch answers to the motors, or to the commands of separate axes?
+    pub fn is_of_tilt(&self) -> bool {
+        let names = ["roll_effectiveness", "pitch_effectiveness", "roll_input_gain", "pitch_input_gain"];
+        names.contains(&self.name.as_str())
     }
 }
 
@@ -50,6 +51,9 @@ pub fn manoeuvres_for(numbers: &[Identified]) -> Vec<&'static str> {
     }
     all
 }
+
+/// Lag and delay together, by their name.
+pub(super) const LATENESS: &str = "lag_and_delay_s";
 
 /// Share of what was known before the log from which on the log has shown nothing.
 const UNSEEN: f64 = 0.7;
@@ -188,7 +192,7 @@ fn of_terms(terms: &[Term<'_>], model: &Model) -> Vec<Derived> {
         };
         all.push(Derived { prior_std, ..one });
     }
-    let together = Derived::new("lag_and_delay_s".to_owned(), "s", late, STEPS[0]);
+    let together = Derived::new(LATENESS.to_owned(), "s", late, STEPS[0]);
     all.push(Derived { is_late: true, ..together });
     all
 }
