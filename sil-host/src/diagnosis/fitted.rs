@@ -121,7 +121,12 @@ impl Fitted {
 
     /// True of what every vehicle has between command and force: each of both is hard to tell from the other.
     pub(super) fn is_late(&self) -> bool {
-        matches!(self.name(), "motor_lag" | "actuation_delay")
+        self.is_lag() || self.name() == "actuation_delay"
+    }
+
+    /// True of the lag among these.
+    pub(super) fn is_lag(&self) -> bool {
+        self.name() == "motor_lag"
     }
 
     /// Values at which fits begin.

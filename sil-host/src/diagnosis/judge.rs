@@ -13,7 +13,7 @@ use crate::axis::Axis;
 use crate::diagnosis::block_bootstrap::{interval, interval_of_one};
 use crate::diagnosis::dry_friction;
 use crate::diagnosis::fitting::bounded_step::BoundedStep;
-use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, with_priors};
+use crate::diagnosis::fitting::fit::{Fit, Term, model_of, with_priors};
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::fitting::shifted::shifted_models;
 use crate::diagnosis::search::Search;
@@ -227,7 +227,7 @@ impl<'e> Judged<'e> {
     /// fit, and nearly as good where a model is nearly linear in its numbers.
     fn expected_without(&self, search: &Search<'e>, set: &[usize]) -> Judged<'e> {
         let (step, places) = (self.fit.step_without(set), self.fit.places_of(set));
-        let normals = self.normals.iter().map(|normal| normal.after(&step, &places)).collect();
+        let normals = self.normals.iter().map(|normal| normal.after(&step.by, &places)).collect();
         Judged::by(search, self.fit.expected_without(set, &step), normals)
     }
 
@@ -249,7 +249,7 @@ fn folds<'e>(fit: &Fit<'e>, windows: &[usize], normals: &[Normal]) -> Vec<Vec<Te
         let outside = windows.iter().zip(normals).filter(|(index, _)| fold_of(**index) != fold);
         let normal = with_priors(Normal::sum(outside.map(|(_, normal)| normal)), &fit.terms);
         let step = BoundedStep::new(&normal, &fit.terms, 1e-6);
-        step.map_or_else(|| fit.terms.clone(), |step| moved(&fit.terms, &step.by))
+        step.map_or_else(|| fit.terms.clone(), |of_fold| of_fold.step.applied(&fit.terms))
     };
     (0..FOLDS).map(of_fold).collect()
 }

@@ -41,7 +41,8 @@ impl Catalogued for MotorLag {
     }
 
     fn hypotheses(_scope: &Scope) -> Vec<Hypothesis> {
-        let time_constant = Unknown::of(&TIME_CONSTANT, 1e-5).within(0.0, 0.5);
+        // beside a delay a lag shows by its square, of which a shorter step from none has nothing
+        let time_constant = Unknown::of(&TIME_CONSTANT, 1e-3).within(0.0, 0.5);
         let of_log = Hypothesis::new(Self::ENTRY, [time_constant], |[time_constant_s]| Self { time_constant_s });
         vec![of_log.starting(|_| vec![vec![0.01]])]
     }

@@ -1,7 +1,7 @@
 //! Output error over windows: the parameters of some effects, by Gauss and Newton with Levenberg's damping.
 
 use crate::diagnosis::fitted::Fitted;
-use crate::diagnosis::fitting::bounded_step::BoundedStep;
+use crate::diagnosis::fitting::bounded_step::{BoundedStep, Step};
 use crate::diagnosis::fitting::left_out::LeftOut;
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::fitting::round::{Attempt, Round};
@@ -81,14 +81,15 @@ impl<'e> Fit<'e> {
     pub(in crate::diagnosis) fn slopes_of(&self, of_terms: impl Fn(&[Term<'e>]) -> Vec<f64>) -> Vec<Vec<f64>> {
         let steps = self.terms.iter().flat_map(|term| term.effect.unknowns()).map(|unknown| unknown.step);
         let along = |(place, step): (usize, f64)| {
-            // a number at the end of its range moves the other way
+            // a number at the end of its range moves to one side alone
             let by = |by: f64| {
                 let mut all = vec![0.0; self.size()];
                 all[place] = by;
-                of_terms(&moved(&self.terms, &all))
+                let terms = moved(&self.terms, &all);
+                (all_values(&terms)[place], of_terms(&terms))
             };
-            let (less, more) = (by(-step), by(step));
-            less.iter().zip(&more).map(|(less, more)| (more - less) / (2.0 * step)).collect()
+            let ((less, of_less), (more, of_more)) = (by(-step), by(step));
+            of_less.iter().zip(&of_more).map(|(of_less, of_more)| (of_more - of_less) / (more - less)).collect()
         };
         steps.enumerate().map(along).collect()
     }
@@ -113,7 +114,7 @@ impl<'e> Fit<'e> {
 
     /// How all numbers move to first order, within their ranges, where those of some terms are known to change
     /// nothing.
-    pub(in crate::diagnosis) fn step_without(&self, terms: &[usize]) -> Vec<f64> {
+    pub(in crate::diagnosis) fn step_without(&self, terms: &[usize]) -> Step {
         let is_out = self.terms.iter().enumerate().filter(|(index, _)| terms.contains(index));
         let numbers = is_out.flat_map(|(_, term)| term.effect.unknowns().iter().zip(&term.values));
         let away: Vec<f64> = numbers.map(|(unknown, value)| unknown.nominal - value).collect();
@@ -127,7 +128,7 @@ impl<'e> Fit<'e> {
             Some(weights) => part(&all, &out).chunks(out.len().max(1)).map(|row| dot(row, &weights)).collect(),
             None => vec![0.0; size],
         };
-        difference(&self.terms, &moved(&self.terms, &step))
+        Step::cut(&self.terms, &step, &out)
     }
 
     /// Places of some terms' numbers among all.
@@ -138,9 +139,9 @@ impl<'e> Fit<'e> {
 
     /// The fit without some of its terms, the others moved by `step` ([`Self::step_without`]). Their covariances stay
     /// as they were.
-    pub(in crate::diagnosis) fn expected_without(&self, terms: &[usize], step: &[f64]) -> Fit<'e> {
+    pub(in crate::diagnosis) fn expected_without(&self, terms: &[usize], step: &Step) -> Fit<'e> {
         let (size, out) = (self.size(), self.places_of(terms));
-        let moved = moved(&self.terms, step);
+        let moved = step.applied(&self.terms);
         let kept = moved.into_iter().enumerate().filter(|(index, _)| !terms.contains(index)).map(|(_, term)| term);
         let others = |matrix: &[f64]| -> Vec<f64> {
             let is_out = |place: usize| out.contains(&place);
@@ -238,15 +239,14 @@ fn end_from<'e>(
     let mut damping = 1e-4;
     let mut failures = 0;
     for round in 1..=ROUNDS_MAX {
-        let Some(BoundedStep { by: step, promised }) = best.step(damping) else { break };
+        let Some(BoundedStep { step, promised }) = best.step(damping) else { break };
         let least = IMPROVEMENT_MIN * spread(best.normal.chi2, shooting, training);
         if promised < least || best.normal.chi2 - OVERSHOT * promised > to_reach {
             break;
         }
-        let terms = moved(&best.terms, &step);
+        let terms = step.applied(&best.terms);
         let mut starts = best.starts.clone();
-        let made = difference(&best.terms, &terms);
-        shooting.move_starts(&best.linear, &made, training, &mut starts);
+        shooting.move_starts(&best.linear, &step.by, training, &mut starts);
         let next = Attempt::at(shooting, nominal, terms, starts, training, Some(&best));
         if next.chi2 < best.normal.chi2 {
             if best.normal.chi2 - next.chi2 < least || round == ROUNDS_MAX {
@@ -314,10 +314,6 @@ pub(in crate::diagnosis) fn moved<'e>(terms: &[Term<'e>], step: &[f64]) -> Vec<T
         }
     }
     moved
-}
-
-fn difference(from: &[Term<'_>], to: &[Term<'_>]) -> Vec<f64> {
-    all_values(to).iter().zip(all_values(from)).map(|(to, from)| to - from).collect()
 }
 
 /// All numbers of some terms, one behind the other.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::diagnosis::fitting::bounded_step::BoundedStep;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of, prior_chi2, regular, spread, with_priors};
+use crate::diagnosis::fitting::lag_and_delay::LagAndDelay;
 use crate::diagnosis::fitting::left_out::LeftOut;
 use crate::diagnosis::fitting::linearisation::{Linearisation, Normal, WindowLinear};
 use crate::diagnosis::fitting::scatter::scattered;
@@ -120,7 +121,11 @@ impl<'e> Round<'e> {
         let spread = spread(self.normal.chi2, shooting, training);
         let scores: Vec<(usize, &[f64])> =
             training.iter().zip(&self.normals).map(|(index, normal)| (*index, normal.right.as_slice())).collect();
-        let scattered_covariance = scattered(&covariance, spread, &scores);
+        let straight = scattered(&covariance, spread, &scores);
+        let scattered_covariance = match LagAndDelay::of(&self.terms) {
+            Some(pair) => pair.along_curve(straight),
+            None => straight,
+        };
         Fit {
             terms: self.terms,
             covariance,

@@ -70,7 +70,8 @@ fn together(terms: &[Term<'_>], first: usize, is_separate: bool) -> Vec<Vec<(At,
     all
 }
 
-fn admissible_step(parameter: &Unknown, value: f64) -> f64 {
+/// The step of a number's difference quotient, which stays within its range.
+pub(super) fn admissible_step(parameter: &Unknown, value: f64) -> f64 {
     if value + parameter.step <= parameter.max { parameter.step } else { -parameter.step }
 }
 

@@ -4,7 +4,7 @@
 use std::fmt;
 
 use sil_host::axis::Axis;
-use sil_host::diagnosis::{BaseTerm, Diagnosis, Estimate, diagnose};
+use sil_host::diagnosis::{BaseTerm, Diagnosis, Estimate, Verdict, diagnose};
 
 use super::scoreboard::entries;
 
@@ -81,6 +81,8 @@ impl Constant {
 pub struct Run {
     /// The log's name, which begins with its controller.
     pub name: String,
+    /// False where the answer says that the log does not show what the commands do: nothing of it is to be relied on.
+    pub is_shown: bool,
     /// Axis, each constant in order, and the fit of its rate on windows that nothing was fitted to, %.
     pub axes: Vec<(Axis, [Option<Estimate>; Constant::ALL.len()], f64)>,
 }
@@ -102,12 +104,12 @@ pub fn runs() -> Vec<Run> {
             (axis, Constant::ALL.map(|constant| constant.told(&answer, axis)), fit_pct)
         };
         let axes = [Axis::Roll, Axis::Pitch].into_iter().filter(|axis| log.axes[axis.index()]).map(of_axis).collect();
-        Run { name: entry.name, axes }
+        Run { name: entry.name, is_shown: answer.verdict != Verdict::NotShown, axes }
     };
     entries.map(run).collect()
 }
 
-/// One constant of an axis over all runs.
+/// One constant of an axis over all runs that show it.
 pub struct Across {
     /// How many runs tell it.
     pub runs: usize,
@@ -158,7 +160,8 @@ impl fmt::Display for Run {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (axis, told, fit_pct) in &self.axes {
             let told = told.map(short).join(" | ");
-            writeln!(out, "| {} | {} | {told} | {fit_pct:.0} |", self.name, axis.name())?;
+            let name = if self.is_shown { self.name.clone() } else { format!("({})", self.name) };
+            writeln!(out, "| {name} | {} | {told} | {fit_pct:.0} |", axis.name())?;
         }
         Ok(())
     }
@@ -170,6 +173,7 @@ impl fmt::Display for Run {
 /// As [`runs`].
 pub fn print() {
     let runs = runs();
+    println!("Runs in brackets do not show what their commands do; they are in no mean.\n");
     println!(
         "| run | axis | gain, 1e-5 | gravity, 1/s^2 | trim, rad/s^2 | viscous, 1/s | dry, rad/s^2 | late, ms | fit of \
          the rate, % |\n|---|---|---|---|---|---|---|---|---|"
@@ -178,7 +182,8 @@ pub fn print() {
     println!("\n| axis | constant | runs | mean | between runs | intervals that hold the mean | set 1 | set 2 |");
     println!("|---|---|---|---|---|---|---|---|");
     for axis in [Axis::Roll, Axis::Pitch] {
-        let of_axis = || runs.iter().flat_map(|run| &run.axes).filter(move |(own, ..)| *own == axis);
+        let shown = || runs.iter().filter(|run| run.is_shown);
+        let of_axis = || shown().flat_map(|run| &run.axes).filter(move |(own, ..)| *own == axis);
         for (place, constant) in Constant::ALL.into_iter().enumerate() {
             let told: Vec<Estimate> = of_axis().filter_map(|(_, told, _)| told[place]).collect();
             let Some(across) = Across::of(&told) else { continue };
