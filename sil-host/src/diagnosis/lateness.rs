@@ -1,12 +1,15 @@
 //! How late commands act. Motors' lag and the delay before them look alike, so that a log shows their sum far better
-//! than either, and neither is below 0: no more than the sum is left to each.
+//! than either, and neither is below 0: no more than the sum is left to each. Where a fit has no lag at all it knows no
+//! more than that, however sure of it: something that no model has (a moment that runs ahead of the commands) has eaten
+//! the lag that all motors have, and the delay beside it is motors' too.
 
 use std::collections::BTreeMap;
 
+use super::base::acts_at_once;
 use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::search::Search;
-use crate::diagnosis::fitting::fit::Fit;
+use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::Unknown;
 use crate::prediction::force_track::Commands;
 use crate::prediction::lost_commands::{lateness_of_held_s, usual_step_s};
@@ -31,6 +34,13 @@ pub(super) fn summed_s(fit: &Fit<'_>) -> Option<Estimate> {
     (slope.contains(&1.0) && variance.is_finite()).then(|| Estimate { value, std: variance.max(0.0).sqrt().min(range) })
 }
 
+/// Do these terms have a bench without motors? Beside a model's own motors a lag may be none; in the air a delay is
+/// told only where it is longer than any (`usual`).
+pub(super) fn has_no_motors(search: &Search<'_>, terms: &[Term<'_>]) -> bool {
+    let has_own = (search.nominal)().drive.quickest_s().is_finite() || search.shooting.log.is_of_unknown_flyer();
+    search.has_base() && !has_own && acts_at_once(terms)
+}
+
 /// Counts in the interval of a lag or a delay what no fit knows ([`of_rows_std_s`]), and that neither is more than both
 /// together.
 pub(super) fn count_lateness(
@@ -46,7 +56,9 @@ pub(super) fn count_lateness(
         delay.std = libm::hypot(delay.std, unknown_std_s(search));
     }
     if let Some(together) = together_s(search, fit) {
-        parameters.values_mut().for_each(|own| own.std = own.std.min(together.value + together.std));
+        let most_s = together.value + together.std;
+        let is_open = has_no_motors(search, &fit.terms);
+        parameters.values_mut().for_each(|own| own.std = if is_open { most_s } else { own.std.min(most_s) });
     }
 }
 
@@ -70,6 +82,64 @@ pub(super) fn held_std_s(commands: &Commands) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::{Diagnosis, Subject, diagnose};
+    use crate::log::Log;
+    use crate::sensors::random::RandomStream;
+
+    const LATE_S: f64 = 0.03;
+
+    /// 40 s of a bench's axis in gusts, under steps that come through a lag and, until all of both is 30 ms, a delay.
+    fn bench(lag_s: f64) -> Log {
+        let mut random = RandomStream::new(4, "late");
+        let [mut angle, mut rate, mut motor, mut command] = [0.0; 4];
+        let [mut angles, mut rates, mut commands] = [const { Vec::<f64>::new() }; 3];
+        let (step_s, mut on_the_way) = (5e-4, std::collections::VecDeque::new());
+        on_the_way.resize(((LATE_S - lag_s) / step_s).round() as usize, 0.0);
+        for row in 0..8_000 {
+            if row % 40 == 0 {
+                command = 0.1 * random.normal() - 0.02 * angle - 0.01 * rate;
+            }
+            angles.push(angle + 1e-3 * random.normal());
+            rates.push(rate + 1e-2 * random.normal());
+            commands.push(command);
+            for _ in 0..10 {
+                on_the_way.push_back(command);
+                let arrived: f64 = on_the_way.pop_front().unwrap();
+                motor = if lag_s > 0.0 { motor + step_s / lag_s * (arrived - motor) } else { arrived };
+                angle += step_s * rate;
+                rate += step_s * (100.0 * motor - 0.5 * rate + 20.0 * random.normal());
+            }
+        }
+        let mut log = Log { axes: [true, false, false], ..Log::default() };
+        log.time_s = (0..8_000).map(|row| 0.005 * f64::from(row)).collect();
+        (log.angle_rad[0], log.rate_rad_s[0], log.axis_command[0]) = (Some(angles), Some(rates), Some(commands));
+        log
+    }
+
+    fn number(answer: &Diagnosis, effect: &str) -> Estimate {
+        *answer.base.iter().find(|term| term.effect == effect).unwrap().parameters.values().next().unwrap()
+    }
+
+    #[test]
+    fn lag_and_delay_are_told_apart_unless_no_motor_is_as_quick_as_that_lag() {
+        for lag_s in [0.02, 0.0] {
+            let answer = diagnose(&bench(lag_s), &Subject::Axes).unwrap();
+            let [lag, delay] = ["motor_lag", "actuation_delay"].map(|effect| number(&answer, effect));
+            let together = answer.lateness_s.unwrap();
+            println!("{lag:?} {delay:?} {together:?} {:?}", answer.findings);
+            assert!(
+                (together.value - LATE_S).abs() < 3.0 * together.std && together.std < 0.1 * LATE_S,
+                "{together:?}"
+            );
+            let is_late = |effect: &str| ["motor_lag", "actuation_delay"].contains(&effect);
+            let is_told = answer.findings.iter().any(|finding| is_late(finding.effect));
+            if lag_s > 0.0 {
+                assert!((lag.value - lag_s).abs() < 3.0 * lag.std && lag.std < 0.3 * lag_s && is_told, "{lag:?}");
+            } else {
+                assert!(lag.std > LATE_S && delay.std > LATE_S && !is_told, "{lag:?} {delay:?}");
+            }
+        }
+    }
 
     /// Rows of 10 ms: held ones come 3.75 ms later than those of a usual controller, to either side; and two columns
     /// that are each up to a row old differ by less than a row, most likely by nothing: a triangle.

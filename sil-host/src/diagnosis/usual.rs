@@ -3,6 +3,7 @@
 
 use super::base::{BEARING, IN_THE_AIR, INERTIA};
 use super::judge::SIGMAS;
+use super::lateness::has_no_motors;
 use super::search::Search;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of};
@@ -24,7 +25,7 @@ pub(super) fn may_be_found(search: &Search<'_>, fit: &Fit<'_>, places: Vec<usize
         BEARING | IN_THE_AIR => !is_unknown,
         // of a vehicle that nothing holds its reaction torque over this inertia shows, and hardly anybody knows either
         INERTIA => fit.terms[*index].effect.axis() != Some(Axis::Yaw),
-        "actuation_delay" => !is_unknown || exceeds(*index, DELAY_USUAL_S),
+        "actuation_delay" => !has_no_motors(search, &fit.terms) && (!is_unknown || exceeds(*index, DELAY_USUAL_S)),
         "motor_lag" => !is_unknown || exceeds(*index, LAG_USUAL_S),
         _ => true,
     };
