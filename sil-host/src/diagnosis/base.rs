@@ -137,8 +137,9 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted], in_sensors
     let answers = if search.gains.is_empty() { [None; 3] } else { search.shooting.log.answers_rad_s2() };
     // a delay at the end of its range has lost its command: whatever it explains is no vehicle's
     let rank = |fit: &Fit<'_>| {
-        let (terms, has_own_lag) = (&fit.terms, (search.nominal)().drive.quickest_s().is_finite());
-        let is_wrong = has_bound(terms) || !has_own_lag && answers_at_once(terms) || turns_back(terms, &answers);
+        let terms = &fit.terms;
+        let is_wrong =
+            has_bound(terms) || !search.has_own_lag() && answers_at_once(terms) || turns_back(terms, &answers);
         (is_wrong, fit.training)
     };
     let mut best: Option<Fit<'e>> = None;

@@ -37,8 +37,8 @@ pub(super) fn summed_s(fit: &Fit<'_>) -> Option<Estimate> {
 /// Do these terms have a bench without motors? Beside a model's own motors a lag may be none; in the air a delay is
 /// told only where it is longer than any (`usual`).
 pub(super) fn has_no_motors(search: &Search<'_>, terms: &[Term<'_>]) -> bool {
-    let has_own = (search.nominal)().drive.quickest_s().is_finite() || search.shooting.log.is_of_unknown_flyer();
-    search.has_base() && !has_own && acts_at_once(terms)
+    let may_have_none = search.has_own_lag() || search.shooting.log.is_of_unknown_flyer();
+    search.has_base() && !may_have_none && acts_at_once(terms)
 }
 
 /// Counts in the interval of a lag or a delay what no fit knows ([`of_rows_std_s`]), and that neither is more than both
@@ -82,38 +82,17 @@ pub(super) fn held_std_s(commands: &Commands) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::simulated_bench::Bench;
     use crate::diagnosis::{Diagnosis, Subject, diagnose};
     use crate::log::Log;
     use crate::sensors::random::RandomStream;
 
     const LATE_S: f64 = 0.03;
 
-    /// 40 s of a bench's axis in gusts, under steps that come through a lag and, until all of both is 30 ms, a delay.
+    /// 40 s of a bench in gusts, whose lag and delay are 30 ms together.
     fn bench(lag_s: f64) -> Log {
-        let mut random = RandomStream::new(4, "late");
-        let [mut angle, mut rate, mut motor, mut command] = [0.0; 4];
-        let [mut angles, mut rates, mut commands] = [const { Vec::<f64>::new() }; 3];
-        let (step_s, mut on_the_way) = (5e-4, std::collections::VecDeque::new());
-        on_the_way.resize(((LATE_S - lag_s) / step_s).round() as usize, 0.0);
-        for row in 0..8_000 {
-            if row % 40 == 0 {
-                command = 0.1 * random.normal() - 0.02 * angle - 0.01 * rate;
-            }
-            angles.push(angle + 1e-3 * random.normal());
-            rates.push(rate + 1e-2 * random.normal());
-            commands.push(command);
-            for _ in 0..10 {
-                on_the_way.push_back(command);
-                let arrived: f64 = on_the_way.pop_front().unwrap();
-                motor = if lag_s > 0.0 { motor + step_s / lag_s * (arrived - motor) } else { arrived };
-                angle += step_s * rate;
-                rate += step_s * (100.0 * motor - 0.5 * rate + 20.0 * random.normal());
-            }
-        }
-        let mut log = Log { axes: [true, false, false], ..Log::default() };
-        log.time_s = (0..8_000).map(|row| 0.005 * f64::from(row)).collect();
-        (log.angle_rad[0], log.rate_rad_s[0], log.axis_command[0]) = (Some(angles), Some(rates), Some(commands));
-        log
+        let random = RandomStream::new(4, "late");
+        Bench { rows: 8_000, lag_s, delay_s: LATE_S - lag_s, gusts_rad_s2: 20.0 }.log(random)
     }
 
     fn number(answer: &Diagnosis, effect: &str) -> Estimate {

@@ -60,6 +60,8 @@ mod yardstick;
 #[cfg(test)]
 mod free_flight_tests;
 #[cfg(test)]
+mod simulated_bench;
+#[cfg(test)]
 mod tests;
 
 use serde::Serialize;

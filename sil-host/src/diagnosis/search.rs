@@ -173,6 +173,11 @@ impl<'e> Search<'e> {
         self.always.len() > self.gains.len()
     }
 
+    /// Has the nominal model motors with a lag of their own?
+    pub(super) fn has_own_lag(&self) -> bool {
+        (self.nominal)().drive.quickest_s().is_finite()
+    }
+
     /// Is a model far from explaining the windows of choice?
     pub(super) fn is_far(&self, candidate: &Candidate<'e>) -> bool {
         let log = &self.shooting.log;

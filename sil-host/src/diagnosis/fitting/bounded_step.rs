@@ -13,7 +13,7 @@ pub(in crate::diagnosis) struct Step {
     /// Along their slopes.
     pub(in crate::diagnosis) by: Vec<f64>,
     /// Where it leads: lag and delay go along a curve ([`LagAndDelay`]).
-    to: Vec<f64>,
+    pub(super) to: Vec<f64>,
 }
 
 /// The best one within their ranges, and the fall of the sum of squares that it promises.
@@ -32,10 +32,14 @@ impl Step {
             let to = reached(&from, &pair.straight_step(by), &pair.ranges(&ranges));
             Some(Step { by: pair.plain_step(&difference(&from, &to)), to: pair.plain_values(&to)? })
         });
-        curved.unwrap_or_else(|| {
-            let to = reached(&values, by, &ranges);
-            Step { by: difference(&values, &to), to }
-        })
+        curved.unwrap_or_else(|| Step::straight(terms, by))
+    }
+
+    /// A given step with all numbers along their slopes, cut where one leaves its range.
+    pub(super) fn straight(terms: &[Term<'_>], by: &[f64]) -> Step {
+        let values = all_values(terms);
+        let to = reached(&values, by, &ranges(terms));
+        Step { by: difference(&values, &to), to }
     }
 
     /// The terms with all numbers where it leads.

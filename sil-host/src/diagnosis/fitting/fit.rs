@@ -85,8 +85,8 @@ impl<'e> Fit<'e> {
             let by = |by: f64| {
                 let mut all = vec![0.0; self.size()];
                 all[place] = by;
-                let terms = moved(&self.terms, &all);
-                (all_values(&terms)[place], of_terms(&terms))
+                let step = Step::straight(&self.terms, &all);
+                (step.to[place], of_terms(&step.applied(&self.terms)))
             };
             let ((less, of_less), (more, of_more)) = (by(-step), by(step));
             of_less.iter().zip(&of_more).map(|(of_less, of_more)| (of_more - of_less) / (more - less)).collect()
@@ -301,19 +301,6 @@ pub(in crate::diagnosis) fn regular(matrix: &[f64], size: usize, damping: f64) -
         regular[i * size + i] = if own > 0.0 { own * (1.0 + damping + 1e-12) } else { 1.0 };
     }
     regular
-}
-
-/// The terms moved by a step of all their numbers, within the ranges of these.
-pub(in crate::diagnosis) fn moved<'e>(terms: &[Term<'e>], step: &[f64]) -> Vec<Term<'e>> {
-    let mut moved = terms.to_vec();
-    let mut step = step.iter();
-    for term in &mut moved {
-        for (value, parameter) in term.values.iter_mut().zip(term.effect.unknowns()) {
-            let by = step.next().copied().unwrap_or_default();
-            *value = (*value + by).clamp(parameter.min, parameter.max);
-        }
-    }
-    moved
 }
 
 /// All numbers of some terms, one behind the other.

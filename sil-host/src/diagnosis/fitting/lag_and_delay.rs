@@ -14,7 +14,7 @@ use crate::effects::Unknown;
 /// A delay that is less than this outside of its range is at its end, s.
 const ROUNDING_S: f64 = 1e-9;
 
-/// A number's place among all, its value, and the step of its difference quotient.
+/// A number's place among all, its value, and what is known of it before a log is seen.
 #[derive(Clone, Copy)]
 struct Number<'t> {
     place: usize,
@@ -35,9 +35,9 @@ impl<'t> LagAndDelay<'t> {
         let [mut lag, mut delay] = [None; 2];
         let mut place = 0;
         for term in terms {
-            let unknown = term.effect.unknowns().first().filter(|_| term.effect.is_late());
-            if let Some(unknown) = unknown {
-                let number = Number { place, value: term.values[0], unknown };
+            let number = term.effect.unknowns().first().zip(term.values.first()).filter(|_| term.effect.is_late());
+            if let Some((unknown, value)) = number {
+                let number = Number { place, value: *value, unknown };
                 let own = if term.effect.is_lag() { &mut lag } else { &mut delay };
                 *own = Some(number);
             }

@@ -73,36 +73,14 @@ mod tests {
     use crate::axis::Axis;
     use crate::diagnosis::fitted::Fitted;
     use crate::diagnosis::fitting::fit::{Term, all_values, fit};
+    use crate::diagnosis::simulated_bench::Bench;
     use crate::log::Log;
     use crate::prediction::Subject;
     use crate::sensors::random::RandomStream;
 
-    /// 16 s of one axis under steps of its command, with a lag that the model below has to find.
+    /// 16 s of a bench, with a lag that the model below has to find.
     fn log() -> Log {
-        let mut random = RandomStream::new(8, "left out");
-        let [mut angle, mut rate, mut motor, mut command] = [0.0; 4];
-        let [mut angles, mut rates, mut commands] = [const { Vec::<f64>::new() }; 3];
-        for row in 0..3200 {
-            if row % 40 == 0 {
-                command = 0.1 * random.normal() - 0.02 * angle - 0.01 * rate;
-            }
-            angles.push(angle + 1e-3 * random.normal());
-            rates.push(rate + 1e-2 * random.normal());
-            commands.push(command);
-            for _ in 0..10 {
-                motor += 5e-4 / 0.03 * (command - motor);
-                angle += 5e-4 * rate;
-                rate += 5e-4 * (100.0 * motor - 0.5 * rate + 2.0 * random.normal());
-            }
-        }
-        Log {
-            axes: [true, false, false],
-            time_s: (0..3200).map(|row| 0.005 * f64::from(row)).collect(),
-            angle_rad: [Some(angles), None, None],
-            rate_rad_s: [Some(rates), None, None],
-            axis_command: [Some(commands), None, None],
-            ..Log::default()
-        }
+        Bench { rows: 3_200, lag_s: 0.03, delay_s: 0.0, gusts_rad_s2: 2.0 }.log(RandomStream::new(8, "left out"))
     }
 
     #[test]
